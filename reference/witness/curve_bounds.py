@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Curve
-from cases.curves.corner import Corner
 
 # Speed and curvature are sampled at these places of a range no longer than its shortest piece; between them they exceed
 # the samples by less than BETWEEN times the largest difference of two neighbours. (A parabola does so by an eighth of
@@ -88,37 +87,3 @@ def _extremes(curve: Curve, low: np.ndarray, high: np.ndarray) -> Extremes:
     bends = (jets[2] * jets[5] - jets[3] * jets[4]) / speed**3
     more, faster = (BETWEEN * np.abs(np.diff(values, axis=0)).max(axis=0) for values in (bends, speed))
     return Extremes(bends.max(axis=0) + more, bends.min(axis=0) - more, speed.max(axis=0) + faster)
-
-
-# Curvatures are sampled at this many places of a track; a track whose values agree to `EVEN` is a line or a circle.
-TRACK_SAMPLES, EVEN = 721, 1e-9
-# On a track without ends the places lie between NEAREST and FARTHEST from the start, in sizes of the plate, closer
-# together near it; features are included up to FEATURE_RANGE sizes away.
-NEAREST, FARTHEST, FEATURE_RANGE = 1e-3, 1e6, 100.0
-
-
-def grain(track: Curve, near: float, reach: float) -> float:
-    """The length (m) along a track over which the forces on a plate of that reach (m) change; infinite on an endless
-    line: for a circle it is the radius, for a line with ends their distance, for any other curve at most the reach."""
-    if isinstance(track, Corner):
-        return reach
-    with np.errstate(all="ignore"):  # far out a curve may be too large for a double
-        bends = np.abs(np.asarray(track.curvature(_places(track, near, reach))))
-    bends = bends[np.isfinite(bends)]
-    bend = float(bends.max())
-    if bend * reach <= EVEN:
-        first, last = (track.point(end) for end in track.span)
-        return float(np.hypot(*(last - first))) if track.ends is not None else np.inf
-    return 1.0 / bend if np.ptp(bends) <= EVEN * bend else min(reach, 1.0 / bend)
-
-
-def _places(track: Curve, near: float, reach: float) -> np.ndarray:
-    """Parameters of a track at which its curvature is sampled, chosen by distance, not by the parameter's unit."""
-    if track.domain is not None or track.period:
-        return np.linspace(*track.span, TRACK_SAMPLES)
-    size = reach / float(track.speed(near))
-    away = size * np.geomspace(NEAREST, FARTHEST, TRACK_SAMPLES // 2)
-    parameters = np.concatenate([near - away[::-1], [near], near + away])
-    if not track.features:
-        return parameters
-    return np.union1d(parameters, track.features.places(near - FEATURE_RANGE * size, near + FEATURE_RANGE * size))

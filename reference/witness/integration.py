@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from cases import Case, Curve, DoesNotFit
+from cases import Case, DoesNotFit
+from cases.curves.corner import Corner
+from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.contact_pairs import PairCase, pairs
 from cases.scene.free_plates import plates_of
 from cases.scene.piece_case import PieceCase, pieces_at
@@ -20,7 +22,6 @@ from .advancement import TooManyRounds
 from .chain_touches import ChainTouches
 from .complementarity import MOVES
 from .contacts import PairState, is_constant_at, is_watched_always, pair_at
-from .curve_bounds import grain
 from .dips import Dips
 from .phase import CURVE_ENDS, OWN, SeveralContactPhase
 from .plate_motion import Motion
@@ -83,7 +84,7 @@ class PhaseIntegration(PlateState):
             searched = [pair for pair in pairs(self.case) if not is_watched_always(pair)]
             self.searches = [Touches(pair, self.case.start.xi1) for pair in searched]
         self.earlier: DenseStep | None = None
-        self.work, self.grains = WorkBudget(), dict[Curve, float]()
+        self.work = WorkBudget()
 
     def pace(self, phase: SeveralContactPhase, t: float, y: np.ndarray) -> float:
         """How fast forces and gaps change, or begin to, 1/s. From rest a slip may begin without acceleration: speed and
@@ -91,16 +92,15 @@ class PhaseIntegration(PlateState):
         plates, now = plates_of(self.case), phase.pairs(t, y)
         lengths = np.array([part for p in plates for part in (p.gyration, p.gyration, 1.0)])
         speeds = np.abs(y[self.half : 2 * self.half]) / lengths
-        if not self.case.others and not any(self.dynamics.loads):  # the place of one plate counts where a curve bends
+        is_alone = not self.case.others and not any(self.dynamics.loads)
+        if is_alone:  # the place of one plate counts where a curve bends
             speeds[:2] = 0.0
-            if (
-                self.case.plate.radius is not None
-            ):  # how a disc turns matters for the nearest points of open contacts only
-                speeds[2] *= 0.0 if all(c.is_closed for c in phase.contacts) else 1.0 / LOOKS
+        if is_alone and self.case.plate.radius is not None:  # how a disc turns matters where contacts are open
+            speeds[2] *= 0.0 if all(c.is_closed for c in phase.contacts) else 1.0 / LOOKS
         along = [abs(p.xi1_rate) * float(p.contact.track.speed(p.xi1)) / self.grain(p) for p in now]
         accelerations = np.abs(phase.forces(t, y, now).acceleration) / lengths
         closed = [p for c, p in zip(phase.contacts, now, strict=True) if c.is_closed]
-        if closed and self.case.plate.radius is not None and not (self.case.others or any(self.dynamics.loads)):
+        if closed and self.case.plate.radius is not None and is_alone:
             # A disc moves as a pendulum: of the length of the difference of radii on a circle.
             length = min(min(self.grain(p), _pendulum(p)) for p in closed)
             accelerations = accelerations[:2] * lengths[:2] / length
@@ -112,7 +112,7 @@ class PhaseIntegration(PlateState):
         is_even = is_even and all(c.is_closed for c in phase.contacts)
         if is_even and all(isinf(self.grain(pair)) and is_constant_at(pair.contact) for pair in now):
             return 0.0
-        return most if pace < AT_REST * most and not phase.resting else pace
+        return most if pace < AT_REST * most and not phase.frozen else pace
 
     def absolute(self, phase: SeveralContactPhase, pace: float) -> np.ndarray:
         """The absolute tolerances of a phase's state: of places by a tenth of the plates' reach, of velocities by a
@@ -136,11 +136,13 @@ class PhaseIntegration(PlateState):
         return self.rtol * np.concatenate(sizes)
 
     def grain(self, pair: PairState) -> float:
-        """The length (m) along a contact's track over which forces on the plate change."""
-        track = pair.contact.track
-        if track not in self.grains:
-            self.grains[track] = grain(track, pair.xi1, self.case.plate.reach)
-        return self.grains[track]
+        """The length (m) along a contact's track over which forces on the plate change: the radius of a line or a
+        circle, on another curve at most the plate's reach."""
+        track, reach = pair.contact.track, self.case.plate.reach
+        if isinstance(track, Corner):
+            return reach
+        bend, is_even = abs(float(track.curvature(pair.xi1))), as_line(track) or as_circle(track)
+        return min(1.0 / bend if bend and as_line(track) is None else inf, inf if is_even else reach)
 
     def integrate(self, phase: SeveralContactPhase) -> list[tuple[str, str]]:
         """Integrate to the first zero of a guard; returns the guards that vanish there, none at the end."""

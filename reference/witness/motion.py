@@ -13,7 +13,7 @@ from cases.own_effects import own_effects
 from cases.scene.contact_limits import limitation
 
 from ..time_limit import check_time
-from .complementarity import MOVES, least_rate, pressing_forces, slips_at_rough_contact, solutions
+from .complementarity import MOVES, pressing_forces, slips_at_rough_contact, solutions
 from .contacts import (
     PairState,
     Sides,
@@ -27,8 +27,8 @@ from .contacts import (
 )
 from .impact_simulation import ImpactSimulation
 from .integration import FORGOTTEN
-from .phase import CURVE_ENDS, NO_RATE, OWN, STICKS, SeveralContactPhase, rotation_name
-from .plate_state import EPS, TOUCHES, SimulationEnd
+from .phase import CURVE_ENDS, OWN, STICKS, SeveralContactPhase, rotation_name
+from .plate_state import TOUCHES, SimulationEnd
 from .watched_pairs import common_slips, groups, sides_of
 
 # Far more phases than any motion has in such a part of its duration; a loop without progress ends with a status.
@@ -37,8 +37,6 @@ MOST_PHASES, PART = 5_000, 1e-3
 AHEAD = 1e-6
 # Accelerations below this part of the load are roundings of an equilibrium.
 BALANCED = 1e-10
-# Looks at a load in time while it may end a rest.
-REST_LOOKS = 200
 
 
 class Simulation(ImpactSimulation):
@@ -74,32 +72,49 @@ class Simulation(ImpactSimulation):
         return SeveralContactPhase(self.dynamics, self.contacts, turns=self.rotation)
 
     def decide(self) -> SeveralContactPhase:
-        """The modes that follow, from the complementarity of forces and accelerations at the touched contacts."""
-        now = self.pairs()
-        if self.case.others:
-            return self.decide_by_groups(now)
-        modes = self.next_modes(now)
-        if self.is_carried(now, modes):
-            contacts = [c._replace(mode=modes.get(k, Mode.FLIGHT)) for k, c in enumerate(self.contacts)]
-            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True, turns=self.rotation)):
-                modes = self.next_modes(now)
-        sticking, turning = [k for k, m in modes.items() if m in STICKS], self.turning_rows(now, self.still_sides())
-        rows = [now[k].lift_row for k in modes] + [now[k].slip_row for k in sticking]
-        rank, all_rank = (self.rank(some) for some in (rows, rows + turning))
-        # Two corners on a line prevent a rotation by themselves: what they share with a couple is open.
-        is_shared = bool(turning) and all_rank == rank
-        count, most = len(rows) + len(turning) * (not is_shared), int(self.dynamics.moves.sum())
-        if all_rank < min(count, most):  # they hold one point, about which the plate turns: the matrix is singular
-            raise SimulationEnd("breakdown")
-        rank, count = all_rank, len(rows) + len(turning)
-        is_carried = self.is_carried(now, modes) or (is_shared and rank < most)
-        is_whole = count > 2 and len(modes) > 1  # with one contact guards show the end of a rest more exactly
-        rests = rank == most and is_whole and not _is_on_belt(now, modes) and not self.body[self.half :].any()
-        goes_on = frozenset(c.name for c, pair in zip(self.contacts, now, strict=True) if self.bounces_on(c, pair))
-        self.begin(modes, goes_on)
+        """The modes that follow, from the complementarity of forces and accelerations at the touched contacts, for each
+        group of contacts that share plates."""
+        now, modes, resting, is_carried = self.pairs(), dict[int, Mode](), set[int](), False
+        self.rotation = {}
+        touching = [k for k, contact in enumerate(self.contacts) if contact.name in self.touching]
+        for group in groups([self.contacts[k].case for k in touching]):
+            every = [touching[i] for i in group]
+            next_modes, plates, has_open_forces = self.decide_group(now, every)
+            modes |= next_modes
+            resting |= plates
+            is_carried |= has_open_forces
+        hits = [] if self.case.others else zip(self.contacts, now, strict=True)
+        self.begin(modes, frozenset(c.name for c, pair in hits if self.bounces_on(c, pair)))
         if not modes and self.case.effect(Flight) is None:
             raise SimulationEnd("lift_off")
-        return SeveralContactPhase(self.dynamics, self.contacts, rests, is_carried, self.rotation)
+        return SeveralContactPhase(self.dynamics, self.contacts, is_carried, self.rotation, frozenset(resting))
+
+    def decide_group(self, now: Sequence[PairState], every: list[int]) -> tuple[dict[int, Mode], set[int], bool]:
+        """The modes of a group of contacts, which of their plates are at rest, and whether their forces are open."""
+        closed = [k for k in every if self.contacts[k].name not in self.leaving]
+        modes, forces = self.modes(now, closed, every)
+        if self.is_carried(now, modes):
+            contacts = [c._replace(mode=modes.get(k, Mode.FLIGHT)) for k, c in enumerate(self.contacts)]
+            if self.start(SeveralContactPhase(self.dynamics, contacts, True, self.rotation)):
+                closed = [k for k in closed if self.contacts[k].name not in self.leaving]
+                modes, forces = self.modes(now, closed, every)
+        plates = set().union(*(sides_of(self.contacts[k].case) for k in every))
+        places = closed if len(forces) in (2 * len(closed), 3 * len(closed)) else every
+        is_balanced = self.is_balanced(now, places, forces, plates) and not _is_on_belt(now, modes)
+        sticking, turning = [k for k, m in modes.items() if m in STICKS], self.still_sides()
+        rows = [now[k].lift_row for k in modes] + [now[k].slip_row for k in sticking]
+        every_row = rows + self.turning_rows([now[k] for k in modes], turning)
+        rank, most = self.rank(every_row), int(self.dynamics.moves.reshape(-1, 3)[sorted(plates)].sum())
+        # With one contact guards show the end of a rest more exactly.
+        is_whole = rank == most and len(every_row) > 2 and len(modes) > 1
+        if is_balanced and (is_whole or (self.case.others and self.dynamics.is_constant)):
+            return modes, plates, not self.dynamics.is_constant
+        # Two corners on a line prevent a rotation by themselves: what they share with a couple is open.
+        count = len(rows) if rank == self.rank(rows) else len(every_row)
+        count -= common_slips([now[k].contact for k in sticking]) if self.case.others else 0
+        if rank < min(count, most) and not is_balanced:  # they hold one point, about which the plate turns
+            raise SimulationEnd("breakdown")
+        return modes, set(), rank < len(every_row)
 
     def begin(self, modes: dict[int, Mode], goes_on: frozenset[str] = frozenset()) -> None:
         """Begin a phase in these modes, by the places of contacts; those that change are listed."""
@@ -129,34 +144,6 @@ class Simulation(ImpactSimulation):
         if min(rates) < -MOVES * float(np.abs(load * self.dynamics.units).max()):
             raise SimulationEnd("accumulation" if self.case.effect(Impact) else "landing")
 
-    def decide_by_groups(self, now: Sequence[PairState]) -> SeveralContactPhase:
-        """The same for each group of contacts that share plates."""
-        modes, resting, is_carried = dict[int, Mode](), set[int](), False
-        self.rotation = {}
-        touching = [k for k, contact in enumerate(self.contacts) if contact.name in self.touching]
-        for group in groups([self.contacts[k].case for k in touching]):
-            every = [touching[i] for i in group]
-            closed = [k for k in every if self.contacts[k].name not in self.leaving]
-            next_modes, forces = self.modes(now, closed, every)
-            modes |= next_modes
-            plates = set().union(*(sides_of(self.contacts[k].case) for k in every))
-            places = closed if len(forces) in (2 * len(closed), 3 * len(closed)) else every
-            is_balanced = self.is_balanced(now, places, forces, plates)
-            if is_balanced and self.dynamics.is_constant:
-                resting |= plates
-                continue
-            rows = [now[k].lift_row for k in next_modes] + [
-                now[k].slip_row for k, m in next_modes.items() if m in STICKS
-            ]
-            rows += self.turning_rows([now[k] for k in next_modes], self.still_sides())
-            shared = common_slips([now[k].contact for k, m in next_modes.items() if m in STICKS])
-            less = len(rows) - self.rank(rows)
-            if less > shared and not is_balanced:
-                raise SimulationEnd("breakdown")
-            is_carried |= less > 0
-        self.begin(modes)
-        return SeveralContactPhase(self.dynamics, self.contacts, False, is_carried, self.rotation, frozenset(resting))
-
     def is_balanced(self, now: Sequence[PairState], closed: list[int], forces: np.ndarray, plates: set[int]) -> bool:
         """Whether these plates are still, and the forces at the contacts balance the load."""
         parts = [3 * b + i for b in plates for i in range(3)]
@@ -177,11 +164,6 @@ class Simulation(ImpactSimulation):
     def still_sides(self) -> set[Sides]:
         """The plates that contacts prevent from turning against each other."""
         return {sides for sides, sense in self.rotation.items() if sense == 0}
-
-    def next_modes(self, now: Sequence[PairState]) -> dict[int, Mode]:
-        """The modes of the contacts that stay closed, by their places."""
-        closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching - self.leaving]
-        return self.modes(now, closed, [k for k, c in enumerate(self.contacts) if c.name in self.touching])[0]
 
     def is_carried(self, now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
         """Whether contacts in these modes, some of them on belts, have more rows than the plate velocities."""
@@ -293,9 +275,6 @@ class Simulation(ImpactSimulation):
             if c.is_closed or is_watched_always(c.case) or p.clearance > FORGOTTEN * self.clearances.get(c.name, inf)
         ]  # fmt: skip
         phase.contacts, phase.near = self.contacts, [c.pair for c in self.contacts]
-        if phase.rests:
-            self.rest(phase)
-            return
         if self.impacts.strikes and self.impacts.strikes[-1].time == self.t:
             tiny = {name for name, (lift, pull) in self.hops(phase).items() if self.is_tiny(lift, pull)}
             if tiny:  # the other contacts' forces drive the plate back
@@ -395,41 +374,6 @@ class Simulation(ImpactSimulation):
         if may_strike and not self.strike_all(now):
             self.end_bouncing()
         self.hold()
-
-    # --- rest ---------------------------------------------------------------------------------------------------------
-
-    def rest(self, phase: SeveralContactPhase) -> None:
-        """A rest lasts until the load sets the plate in motion: where Coulomb's law gives it an acceleration."""
-        still, end = self.body.copy(), self.case.duration
-        closed = [p for p, c in zip(self.pairs(), self.contacts, strict=True) if c.is_closed]
-        delassus, rows = self.dynamics.delassus(closed)
-        mu, stick = frictions(closed)
-
-        def moves(t: float) -> bool:
-            free = self.dynamics.free_rates(t, still, closed, rows)
-            slips, every = [None] * len(mu), slice(None)
-            return least_rate(delassus, free, slips, mu, stick, every, NO_RATE) > NO_RATE
-
-        last = None
-        if not self.dynamics.is_constant:
-            before = self.t
-            for look in np.linspace(self.t, end, REST_LOOKS)[1:].tolist():
-                if moves(look):
-                    last = (before, look)
-                    break
-                before = look
-        if last is None:
-            self.t = end
-            raise SimulationEnd("completed")
-        low, high = last
-        while high - low > 4.0 * EPS * high:
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if moves(middle) else (middle, high)
-            if middle in (low, high) and high - low <= 4.0 * EPS * high:
-                break
-        self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
-        self.stuck, self.still = set(self.touching), self.still_sides()
-        self.start(phase)
 
 
 def _is_on_belt(now: Sequence[PairState], modes: dict[int, Mode]) -> bool:

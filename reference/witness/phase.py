@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from math import isfinite
+from math import inf, isfinite
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
@@ -24,7 +24,6 @@ from .contacts import (
     Sides,
     friction_of,
     frictions,
-    is_of_couple,
     is_rough,
     moves,
     on_side,
@@ -35,7 +34,7 @@ from .contacts import (
     resisting_arm,
 )
 from .loads import FormulaScales, slip_scales
-from .watched_pairs import next_elements, piece_end, sides_of
+from .watched_pairs import piece_end, sides_of
 
 # Singular values below this part of the largest are rows that depend on others.
 DEPENDENT = 1e-10
@@ -125,24 +124,23 @@ def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 class SeveralContactPhase:
     """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next.
 
-    `rests`: the contacts hold the plate. `is_carried`: they have more than three rows and run with belts: the plate's
-    accelerations are unique, and forces are not. `turns`: for plates whose contacts resist their rotation against each
-    other its sense, 0 if they prevent it. `resting`: plates at rest, which have no accelerations, and their contacts no
-    guards and forces.
+    `is_carried`: contacts have more rows than velocities: accelerations are unique, and forces are not. `turns`: for
+    plates whose contacts resist their rotation against each other its sense, 0 if they prevent it. `resting`: plates at
+    rest, which have no accelerations, and under a constant load their contacts no guards and forces.
     """
 
     def __init__(
         self,
         dynamics: PlateDynamics,
         contacts: Sequence[WatchedContact],
-        rests: bool = False,
         is_carried: bool = False,
         turns: Mapping[Sides, int] = MappingProxyType({}),
         resting: frozenset[int] = frozenset(),
     ):
-        self.dynamics, self.contacts, self.rests, self.is_carried = dynamics, list(contacts), rests, is_carried
+        self.dynamics, self.contacts, self.is_carried = dynamics, list(contacts), is_carried
         self.turns, self.resting = dict(turns), resting
-        self.frozen = {contact.name for contact in contacts if sides_of(contact.case) <= resting}
+        frozen = resting if dynamics.is_constant else frozenset()
+        self.frozen = {contact.name for contact in contacts if sides_of(contact.case) <= frozen}
         # The plates that one contact holds: their accelerations are zero, not roundings of it.
         self.immobile = {plates_at(c.case)[0] for c in contacts if c.mode is Mode.REST and not moves(c.case)}
         self.near = [contact.pair for contact in contacts]
@@ -269,12 +267,10 @@ class SeveralContactPhase:
             if isinstance(contact.case, PairCase) and contact.case.arc_range is not None:
                 low, high = contact.case.limits_of_turn(contact.is_away)
                 values["turn", contact.name] = min(pair.xi2 - low, high - pair.xi2)
-            if isinstance(contact.case, PieceCase) and not is_of_couple(contact.case):
+            if isinstance(contact.case, PieceCase):
                 end = piece_end(contact.case, (pair.xi1, pair.xi2))
-                values["turn" if end.following else CURVE_ENDS[end.curve], contact.name] = end.distance
-            elif isinstance(contact.case, PieceCase):
-                following = next_elements(contact.case, (pair.xi1, pair.xi2))
-                values |= {("turn", contact.name): following.distance} if following else {}
+                if end.distance < inf:
+                    values["turn" if end.following else CURVE_ENDS[end.curve], contact.name] = end.distance
             if contact.is_away:
                 continue
             is_guide = contact.case.effect(Unilateral) is None
@@ -354,7 +350,7 @@ class SeveralContactPhase:
         """`starts` a short time (s) later, when rates that begin at zero are more than rounding; empty if the plate
         goes on."""
         y = self.whole_state(y)
-        return self.starts(t + step, y if self.rests else y + step * self.rates(t, y)) or {}
+        return self.starts(t + step, y + step * self.rates(t, y)) or {}
 
 
 @lru_cache(maxsize=256)

@@ -17,7 +17,7 @@ from cases.scene.supports import TRACK
 
 from .contacts import AnyPair, PairState, PlateDynamics, Sides, is_of_couple, pair_at
 from .phase import WatchedContact
-from .watched_pairs import next_elements, piece_end
+from .watched_pairs import piece_end
 
 EPS = float(np.finfo(float).eps)
 # A contact touches if its gap is below this part of the plate's size.
@@ -90,13 +90,8 @@ class PlateState:
         the feature there, or comes from it, with its name and mode."""
         place = next(k for k, contact in enumerate(self.contacts) if contact.name == name)
         arc = self.contacts[place]
-        if isinstance(arc.case, PieceCase) and not is_of_couple(arc.case):
+        if isinstance(arc.case, PieceCase):
             self.pass_on(place, arc)
-            return
-        if isinstance(arc.case, PieceCase):  # from an edge of a polygon to a corner, or the other way
-            following = next_elements(arc.case, arc.pair)
-            assert following is not None
-            self.contacts[place] = arc._replace(case=following.pair, pair=following.points)
             return
         number, follower = arc.case.number, arc.case.successor(arc.pair[1])
         xi2 = arc.case.in_round(arc.pair[1], not arc.is_away)
@@ -126,9 +121,10 @@ class PlateState:
         assert isinstance(contact.case, PieceCase)
         end = piece_end(contact.case, contact.pair)
         assert end.following is not None
-        if corner_on_corner(end.following):
+        is_couple = is_of_couple(contact.case)
+        if corner_on_corner(end.following) and not is_couple:
             self.leaving.add(contact.name)
-        elif is_concave(end.following) or not clearance(end.following, *end.points) > 0.0:
+        elif not is_couple and (is_concave(end.following) or not clearance(end.following, *end.points) > 0.0):
             raise SimulationEnd("second_contact")
         else:
             self.contacts[place] = contact._replace(case=end.following, pair=end.points)

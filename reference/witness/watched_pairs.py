@@ -17,7 +17,7 @@ from cases.scene.free_plates import start_poses
 from cases.scene.limits import Scope, limit
 from cases.scene.piece_case import PieceCase, has_pieces, neighbour, piece_case_of
 
-from .contacts import AnyPair, plates_at
+from .contacts import AnyPair, is_of_couple, plates_at
 
 
 def start_of_plates(case: Case) -> np.ndarray:
@@ -25,28 +25,6 @@ def start_of_plates(case: Case) -> np.ndarray:
     poses = start_poses(case)
     poses[0] = start_motion(case)[:6]  # on a belt
     return np.concatenate([poses[:, :3].ravel(), poses[:, 3:].ravel()])
-
-
-class NextElements(NamedTuple):
-    """The pair of elements that follows where a contact leaves one of its elements, how far that is in units of the
-    element's width, and the parameters there."""
-
-    distance: float
-    pair: PieceCase
-    points: tuple[float, float]
-
-
-def next_elements(pair: PieceCase, points: tuple[float, float]) -> NextElements | None:
-    """What follows the nearer end of the boundary's element at these parameters of a pair; None if it is a line, or a
-    smooth outline, without ends."""
-    if not isinstance(pair.whole.track, Chain):
-        return None
-    (low, high), s = pair.first.span, points[0]
-    way = -1 if s - low < high - s else 1
-    following = neighbour(pair, True, way)
-    assert following is not None
-    at = following.first.span[0 if way > 0 else 1], points[1]
-    return NextElements(min(s - low, high - s) / (high - low), following, at)
 
 
 class PieceEnd(NamedTuple):
@@ -60,10 +38,12 @@ class PieceEnd(NamedTuple):
 
 
 def piece_end(pair: PieceCase, points: tuple[float, float]) -> PieceEnd:
-    """The nearest end of a contact's pieces at these parameters of theirs."""
-    ends = [PieceEnd(inf, None, 0, points)]
+    """The nearest end of a contact's pieces at these parameters of theirs; of a couple only one of the boundary:
+    on the plate each corner is watched."""
+    ends, is_couple = [PieceEnd(inf, None, 0, points)], is_of_couple(pair)
     for i, (piece, s) in enumerate(zip(pair.pieces, points, strict=True)):
-        if not isinstance(piece, Corner) and (piece.period or piece.domain is None):
+        has_ends = isinstance(piece, Corner) or not (piece.period or piece.domain is None)
+        if not has_ends or (is_couple and (i == 1 or not isinstance(pair.whole.track, Chain))):
             continue
         (low, high), following = piece.span, None
         way = -1 if s - low < high - s else 1

@@ -13,7 +13,6 @@ from cases.contact.nearest import nearest
 from cases.curves import cos, exp
 from cases.curves import sin as sine
 from reference.minimal import gap, meetings
-from reference.witness.curve_bounds import grain
 
 ELLIPSE = library.ellipse(0.2, 0.1)
 TRACKS = {
@@ -208,15 +207,3 @@ def test_a_level_start_is_found_once_in_every_unit_of_the_outlines_parameter(uni
     bean = Curve(lambda s: tuple((0.2 + 0.09 * cos(2 * s / unit)) * part(s / unit) for part in (cos, sine)))
     with pytest.raises(DoesNotFit, match="3 points"):
         contacts.geometry.level_parameter(library.line(), bean, 0.0)
-
-
-@pytest.mark.parametrize("unit", [1e-6, 0.03, 1e6])
-def test_the_second_formulation_looks_at_a_track_without_ends_by_distances(unit):
-    """A bump 5 m from the start: whether it was seen depended on how far the parameter's own units reach."""
-    track = Curve(("s", "0.1*exp(-((s - 5)/0.1)**2)"))
-    plate = Plate(ELLIPSE, 1.0, 0.02)
-    places = (track, 0.1), (in_units_of(track, unit), 0.1 * unit)
-    here, there = (grain(by, xi1, plate.reach) for by, xi1 in places)
-    # Features are looked at in places of their own, which differ by a part of the bump.
-    assert there == pytest.approx(here, rel=1e-3)
-    assert here == pytest.approx(1.0 / 20.0, rel=1e-3)
