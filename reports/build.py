@@ -200,7 +200,9 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     labels = tuple(case.label for case in results.cases)
     costs = CostMeasurements(labels, results.timings, null_scores.measure(results.cases, calls), results.failures)
     rows = time_to_accuracy.rows(local_runs, costs)
-    extra = timed_pass.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
+    # Cold starts and parts of one case only, the first: they take longer than all other timings.
+    keys = {key for key in which_engine.cold_start_keys(rows) if full or key[0] == labels[0]}
+    extra = timed_pass.measure_extra(local_runs, keys, full, calls)
     return costs._replace(cold=extra.cold, parts=extra.parts)
 
 

@@ -63,6 +63,8 @@ def _even(row: dict[str, Any]) -> str:
 def _count(rows: Sequence[dict[str, Any]], runs: int) -> str:
     """At one level, over all cases: in how many an engine is faster, and which."""
     same = [row for row in rows if row["runs"] == runs]
+    if len(same) < 2:  # the first sentence says it
+        return ""
     ahead = [row for row in same if row["cheaper"] == row["engine"]]
     number_of_runs = "For the first run" if runs == 1 else f"For {runs:,} runs"
     names = "; ".join(f"{row['case']} ({row['engine']}, {times(row['factor'])})" for row in ahead)

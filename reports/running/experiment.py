@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from . import reference_adapter
 from .calls import Calls, Skip, StorePolicy
 from .ladder_selection import ladder_case
 from .processes.worker_process import CallResult
-from .records import Experiment, Offer, Run, Truth, gives_motion, now
+from .records import Experiment, Offer, Run, Truth, finest, now, routes
 from .storage.fingerprint import truth_key
 from .tasks import find_truth, perform, survey_of_cases
 from .time_limits import ASKING_SECONDS
@@ -31,7 +31,7 @@ _MOST_SILENCES = 3
 # So many cases are asked about in one call: a second of an engine's answers, and enough calls for several workers.
 _CASES_TOGETHER = 32
 
-# Takes a case's name, a solver, its route and its ladder; returns the settings to run.
+# Takes a case's label, a solver, its route and its ladder; returns the settings to run.
 Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 
 # The code that computes the truth is not part of a run's key, because the truth itself is; for the reference as a
@@ -56,7 +56,7 @@ def run_cases(
     limit: float | None = None,
     step: str = "runs",
 ) -> Experiment:
-    """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
+    """Run every setting of every route of every solver on every case, or those that `thin(case label, solver, route,
     ladder)` returns. A study may have the settings of a grid (`knobs`), `truths` of its own and `further` arguments of
     `tasks.perform` by the case's label, another time `limit` (s) of a run, and a name of this `step`.
 
@@ -67,10 +67,12 @@ def run_cases(
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
     truths = dict(truths) if truths else find_truths(cases, calls)
     offers_by_case = offers(cases, solvers, calls, knobs)
-    runs, tasks = _plan(cases, offers_by_case, truths, thin, further or {})
-    _fill(runs, _make(tasks, calls, step, limit, knobs == "ladder"), ladder_case(cases) if knobs == "ladder" else None)
+    in_detail = {ladder_case(cases)} if knobs == "ladder" else {case.label for case in cases}
+    runs, tasks = _plan(cases, offers_by_case, truths, thin, further or {}, in_detail)
+    for place, run in _make(tasks, calls, step, limit, knobs == "ladder"):
+        runs[place] = run
     seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
-    return Experiment(tuple(cases), truths, tuple(runs), seconds, dict(calls.versions), parts)
+    return Experiment(tuple(cases), truths, _with_figures(runs, in_detail), seconds, dict(calls.versions), parts)
 
 
 def _our_parts(offers_by_case: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tuple[str, str], str]:
@@ -137,21 +139,23 @@ def _plan(
     truths: Mapping[str, Truth],
     thin: Thin,
     further: Mapping[str, tuple],
+    in_detail: Collection[str],
 ) -> tuple[list[Run], list[_Task]]:
-    """All runs in the order of the tables, and the tasks for those without an outcome yet."""
+    """All runs in the order of the tables, and the tasks for those without an outcome yet. `in_detail`: the cases whose
+    runs keep all their samples."""
     by_label = {case.label: case for case in cases}
     runs: list[Run] = []
     tasks: list[_Task] = []
     for (label, name), of_routes in all_offers.items():
-        truth = truths[label]
+        truth, more = truths[label], (*further.get(label, (None, False)), label in in_detail)
         for offer in of_routes:
             excuse = _excuse(offer, truth)
             if excuse:
                 outcome, reason, kind = excuse
                 runs.append(Run(label, name, offer.route, Setting.of(), 0, outcome, reason, refusal=kind))
                 continue
-            for rung, setting in enumerate(thin(by_label[label].name, name, offer.route, offer.settings), start=1):
-                call = (by_label[label], name, offer.route, setting, rung, truth, *further.get(label, ()))
+            for rung, setting in enumerate(thin(label, name, offer.route, offer.settings), start=1):
+                call = (by_label[label], name, offer.route, setting, rung, truth.without_samples(), *more)
                 tasks.append(_Task(len(runs), call))
                 runs.append(Run(label, name, offer.route, setting, rung, outcome=""))
     return runs, tasks
@@ -201,24 +205,10 @@ def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
     return None
 
 
-def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str | None) -> None:
-    """Put the runs into their places. The finest of each route keeps its samples and differences; its default
-    settings, and each setting of `whole_case` (None: of every case), keep the differences.
-
-    Figures need no others, and those of a thousand runs would take some hundred megabytes.
-    """
-    finest: dict[tuple[str, str, str], int] = {}
-    for place, result in coming:
-        runs[place] = result
-        route = (result.case, result.solver, result.route)
-        outdated_place, best = place, finest.get(route)
-        if gives_motion(result) and (best is None or place > best):
-            finest[route], outdated_place = place, place if best is None else best
-        if outdated_place != finest.get(route):
-            runs[outdated_place] = _thinned(runs[outdated_place], whole_case)
-
-
-def _thinned(run: Run, whole_case: str | None) -> Run:
-    """A run that is not its route's finest: without samples, and without differences unless these are shown."""
-    is_shown = run.setting.is_default or whole_case in (None, run.case)
-    return replace(run, samples={}, off=run.off if is_shown else {})
+def _with_figures(runs: Sequence[Run], in_detail: Collection[str]) -> tuple[Run, ...]:
+    """The runs, with differences only where figures show them: with default settings, at the finest, `in_detail`."""
+    best = {id(finest(group)) for group in routes(runs).values()}
+    return tuple(
+        run if run.setting.is_default or run.case in in_detail or id(run) in best else replace(run, off={})
+        for run in runs
+    )

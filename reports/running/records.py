@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from math import inf, nan
 
@@ -73,6 +73,10 @@ class Truth:
     centre_bar: float = float("nan")  # error bar of the motion's centre, m
     kinds: tuple[str, ...] = ()
 
+    def without_samples(self) -> Truth:
+        """The truth by which runs are judged, without what only figures show."""
+        return replace(self, samples={}, contact_samples={}, plate_samples={})
+
     @property
     def has_several_contacts(self) -> bool:
         """Whether the plate touches its track in several places."""
@@ -125,10 +129,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All results in the requested order: truths by case label, and the runs. Only the finest run of each route has its
-    `samples`; its default settings have their `off` as well, and of one case every setting. `versions`: of the
-    solvers, "" if unknown. `our_parts`: by solver and route, what of it is not the engine's own, for routes that have
-    such a part."""
+    """All results in the requested order: truths by case label, and the runs. The default settings and the finest run
+    of each route have their `off`; of one case every run has it, and `samples`. `versions`: of the solvers, "" if
+    unknown. `our_parts`: by solver and route, what of it is not the engine's own, for routes that have such a part."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]

@@ -33,8 +33,10 @@ from .records import TRUTH_RTOL, Offer, Run, Truth, is_truth, now
 from .solvers import NOT_INSTALLED, solver
 from .true_motions import true_motion
 
-# Samples that a figure can show; of more, evenly spaced ones are kept.
-_SHOWN_SAMPLES = 1500
+# Samples that a figure can show, and the page's player (of differences); of more, evenly spaced ones are kept.
+_SHOWN_SAMPLES, _PLAYER_SAMPLES = 1500, 401
+# The differences from the truth that the player shows, of the case's plate; of others those of the pose.
+_PLAYER_OFF = ("t", "x", "y", "angle", "slip")
 # Limits on the number of an adapter's routes (others are ignored), on the settings of a ladder or grid, and on the
 # characters of a setting: far more than would be run or read.
 _MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
@@ -198,12 +200,13 @@ def _evenly(motion: Trajectory) -> Trajectory:
 
 def perform(
     case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth,
-    true: Trajectory | None = None, is_hard: bool = False,
+    true: Trajectory | None = None, is_hard: bool = False, in_detail: bool = True,
 ) -> Run:  # fmt: skip
     """Run one setting of one route and judge it, in a process without engines. Only `run` of the solver is timed.
 
     The run that the others are compared with is the truth's motion, with the times measured when that was computed.
-    `true`: samples of the truth's motion, in place of the motion; `is_hard`: the run has its residuals, and no samples.
+    `true`: samples of the truth's motion, in place of the motion; `is_hard`: the run has its residuals, and no samples;
+    `in_detail`: it has all samples for figures, else those of the page's player.
 
     Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
@@ -214,7 +217,8 @@ def perform(
         raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
-    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, truth, laws, true, is_hard)  # noqa: E731
+    more = truth, laws, true, is_hard, in_detail
+    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, *more)  # noqa: E731
     if is_truth(row, truth):
         return attempt(row, case, assess, lambda: true_motion(case, truth.method))
     return attempt(row, case, assess)
@@ -228,10 +232,11 @@ def _judge_alone(
     laws: tuple[str, ...],
     true: Trajectory | None,
     is_hard: bool,
+    in_detail: bool,
 ) -> Run:
     run = judge(row, case, motion, true or true_motion(case, truth.method), truth, laws)
     if not is_hard:
-        return run
+        return run if in_detail else replace(run, samples={}, off=_of_player(run.off))
     from ..judging.residuals import examine  # it imports SciPy's integrators, a quarter of a second
 
     return replace(run, samples={}, off={}, residuals=examine(case, motion))
@@ -298,7 +303,7 @@ def judge(
         laws = (*laws, f"worst at {judgement.worst}")
     friction = friction_factor(case, even or trajectory, scale.losses, scale.end)
     distance = distances.distance(off)
-    begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
+    begin, end = float(motion.t[0]), float(motion.t[-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
     remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
     impact, rows = case.effect(Impact), tuple[impacts.ImpactRow, ...]()
@@ -338,10 +343,15 @@ def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
     return samples
 
 
-def _thin(values: np.ndarray) -> np.ndarray:
-    if len(values) <= _SHOWN_SAMPLES:
+def _of_player(off: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    shown = (name for name in off if name in _PLAYER_OFF or " of " in name)
+    return {name: _thin(off[name], _PLAYER_SAMPLES) for name in shown}
+
+
+def _thin(values: np.ndarray, most: int = _SHOWN_SAMPLES) -> np.ndarray:
+    if len(values) <= most:
         return values
-    return values[np.linspace(0, len(values) - 1, _SHOWN_SAMPLES).round().astype(int)]
+    return values[np.linspace(0, len(values) - 1, most).round().astype(int)]
 
 
 def reason_of_crash(problem: BaseException) -> str:

@@ -129,13 +129,14 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
             case, solver, route, settings
         )
 
-    assert kept("quick", True, "disc_in_circle") == few
-    assert kept("default", False, "disc_in_circle") == settings
+    assert kept("quick", True, "disc_in_circle[mu=0.2]") == few
+    assert kept("default", False, "disc_in_circle[mu=0.2]") == settings
+    assert kept("default", False, "disc_in_circle[mu=0.1]") == fewer
     assert kept("default", False, "littlewood_hoop") == fewer
     assert kept("default", False, "littlewood_hoop", "reference") == (settings[0], settings[-1])
     # The paper's matrix is dear: its whole ladder where ladders are whole, else its two coarsest tolerances.
     assert kept("default", False, "littlewood_hoop", "reference", "augmented") == settings[:2]
-    assert kept("default", False, "disc_in_circle", "reference", "augmented") == settings
+    assert kept("default", False, "disc_in_circle[mu=0.2]", "reference", "augmented") == settings
     assert kept("default", True, "littlewood_hoop", "reference", "augmented") == settings
     assert kept("full", False, "littlewood_hoop", "reference", "augmented") == settings
     assert kept("default", True, "littlewood_hoop") == settings

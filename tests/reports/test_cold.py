@@ -79,7 +79,7 @@ def test_samples_that_are_made_when_they_are_asked_for_belong_to_reading(here, m
 
 
 def test_it_is_the_median_of_three(here, monkeypatch):
-    seconds = {"build": iter([1.0, 9.0, 2.0]), "run": iter([6.0, 5.0, 50.0])}
+    seconds = {"build": iter([70.0, 1.0, 9.0, 2.0]), "run": iter([70.0, 6.0, 5.0, 50.0])}  # first the one for imports
     adapter = here.engine(BUILD, RUN, READ)
     adapter.build = lambda case, route, setting: here.spend(next(seconds["build"])) or SimpleNamespace(cost=1.0)
     adapter.run = lambda model: here.spend(next(seconds["run"]))
@@ -121,36 +121,26 @@ def test_where_each_call_of_a_contestant_is_disturbed_its_row_is_marked(here, mo
 # --- in which order, for how long -------------------------------------------------------------------------------------
 
 
-def test_the_first_call_of_a_route_is_for_its_imports_and_then_all_take_turns_cheapest_first(here, monkeypatch):
-    """Where it had nothing to import it counts."""
-    order: list[float] = []
+@pytest.mark.parametrize(
+    ("budget", "order"),
+    [(1e6, [3.0, *3 * [1.0, 2.0, 3.0]]), (3.5 * CALL, [3.0, 1.0, 2.0]), (0.0, [3.0])],
+)
+def test_a_first_call_of_the_route_is_for_its_imports_and_then_all_take_turns_cheapest_first(
+    here, monkeypatch, budget, order
+):
+    """As far as the budget goes: what is expected to outlast it is not begun, and has no time."""
+    called: list[float] = []
     adapter = here.engine(BUILD, RUN, READ)
     build = adapter.build
-    adapter.build = lambda *call: order.append(call[2]["cost"]) or build(*call)
+    adapter.build = lambda *call: called.append(call[2]["cost"]) or build(*call)
     engine(monkeypatch, adapter)
-    # The dearest is expected to take longer than the call for imports of its route did.
-    some = [one._replace(expected_s=10.0 * one.setting["cost"]) for one in who(3.0, 1.0, 2.0)]
-    found = cold_start.first_calls(some, 1e6)
-    assert order == [3.0, 1.0, 2.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0]
-    assert list(found) == [one.key for one in some]
+    some = who(3.0, 1.0, 2.0)
+    found = cold_start.first_calls(some, budget)
+    assert called == order and list(found) == [one.key for one in some]
     for one in some:
-        assert found[one.key][0].run_s == pytest.approx(RUN * one.setting["cost"])
-
-
-def test_what_does_not_fit_in_the_budget_has_nothing_but_the_call_for_imports(here, monkeypatch):
-    engine(monkeypatch, here.engine(BUILD, RUN, READ))
-    found = cold_start.first_calls(who(1.0, 100.0), 3.0 * CALL)
-    (first, _), (second, why) = found.values()
-    assert first.repeats == cold_start.LEAST_REPEATS and second is None and why == ""
-    (alone, _), (none, _) = cold_start.first_calls(who(1.0, 100.0), 0.0).values()
-    assert alone.repeats == 1 and none is None
-
-
-def test_no_call_is_made_that_is_expected_to_outlast_the_budget(here, monkeypatch):
-    """However little the call for the imports of its route took."""
-    engine(monkeypatch, here.engine(BUILD, RUN, READ))
-    ((value, _),) = cold_start.first_calls([who(1.0)[0]._replace(expected_s=50.0)], 10.0).values()
-    assert value.repeats == 1
+        times, (value, why) = order[1:].count(one.setting["cost"]), found[one.key]
+        assert (value.repeats if value else 0, why) == (times, "")
+        assert not times or value.run_s == pytest.approx(RUN * one.setting["cost"])
 
 
 # --- a process of its own ---------------------------------------------------------------------------------------------
@@ -165,65 +155,29 @@ def late_module(tmp_path, monkeypatch):
     sys.modules.pop("imported_late_by_an_engine", None)
 
 
-def imports(watch: Watch, name: str, lasts: float = 10.0) -> SimpleNamespace:
-    """An engine that imports late, for `lasts` seconds, and makes a module that no file holds."""
-    adapter = watch.engine(BUILD, RUN, READ)
+def test_imports_are_no_part_of_a_call_and_no_call_leaves_anything_to_the_next(watch, monkeypatch, late_module):
+    """A module that is made in the process, which no file holds, is not imported."""
+    adapter, compiled = watch.engine(BUILD, RUN, READ), list[int]()
 
     def build(case, route, setting):
-        if name not in sys.modules:
-            watch.spend(lasts)
-        __import__(name)
+        if late_module not in sys.modules:
+            watch.spend(10.0)
+        __import__(late_module)
         sys.modules.setdefault("made_by_an_engine", ModuleType("made_by_an_engine"))
         watch.spend(BUILD)
         return SimpleNamespace(cost=1.0)
-
-    adapter.build = build
-    return adapter
-
-
-def test_imports_are_no_part_of_a_call(watch, monkeypatch, late_module):
-    engine(monkeypatch, imports(watch, late_module))
-    one, other = who(1.0, 2.0)
-    found = cold_start.first_calls([one, other], 1000.0)
-    assert late_module in sys.modules and "made_by_an_engine" not in sys.modules
-    for value, failure in found.values():
-        assert value.build_s == pytest.approx(BUILD) and value.repeats == cold_start.LEAST_REPEATS and not failure
-
-
-@pytest.mark.parametrize("late, calls", [(True, 1 + cold_start.LEAST_REPEATS), (False, cold_start.LEAST_REPEATS)])
-def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypatch, late_module, late, calls):
-    """A module that is made in the process is not imported."""
-    made, apart = [], cold_start._in_child
-    monkeypatch.setattr(cold_start, "_in_child", lambda *given: made.append(given) or apart(*given))
-    engine(monkeypatch, imports(watch, late_module if late else "math"))
-    first_call(*who(1.0))
-    assert len(made) == calls
-
-
-def test_a_short_call_that_imported_is_repeated_whatever_is_left_of_the_budget(watch, monkeypatch, late_module):
-    """SciPy's integrators took half a second of a call of 30 ms, and the budget was spent."""
-    engine(monkeypatch, imports(watch, late_module, lasts=0.5))
-    ((value, _),) = cold_start.first_calls(who(1.0), 0.0).values()
-    assert value.build_s == pytest.approx(BUILD) and value.repeats == 1
-
-
-def test_a_long_call_that_imported_stands_in_where_no_other_fits(watch, monkeypatch, late_module):
-    engine(monkeypatch, imports(watch, late_module))
-    ((value, _),) = cold_start.first_calls(who(1.0), 0.0).values()
-    assert value.build_s == pytest.approx(10.0 + BUILD) and value.repeats == 1
-
-
-def test_no_call_leaves_anything_to_the_next_one(watch, monkeypatch):
-    compiled: list[int] = []
-    adapter = watch.engine(BUILD, RUN, READ)
 
     def run(model) -> None:
         watch.spend(RUN if not compiled else 0.0)
         compiled.append(1)
 
-    adapter.run = run
+    adapter.build, adapter.run = build, run
     engine(monkeypatch, adapter)
-    assert first_call(*who(1.0)).run_s == pytest.approx(RUN) and compiled == []
+    found = cold_start.first_calls(who(1.0, 2.0), 1000.0)
+    assert late_module in sys.modules and "made_by_an_engine" not in sys.modules and compiled == []
+    for value, failure in found.values():
+        assert (value.build_s, value.run_s) == pytest.approx((BUILD, RUN)) and not failure
+        assert value.repeats == cold_start.LEAST_REPEATS
 
 
 def test_a_route_that_fails_is_tried_once_and_others_go_on(here, monkeypatch):

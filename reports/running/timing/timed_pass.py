@@ -25,21 +25,22 @@ from .time_breakdown import TimeBreakdown
 
 # Fewest settings of a curve from which order and saturation can be estimated.
 LEAST_SETTINGS = 6
-# Wall seconds for all timings of a default report, and largest number of cases that share them: the full ladders of all
-# routes take about five seconds once on an expensive case, and an interval needs three repeats.
-BUDGET, MOST_CASES = 30.0, 7
+# Wall seconds for all timings of a default report, and largest number of cases that share them. Expensive settings that
+# do not fit are left out.
+BUDGET, MOST_CASES = 10.0, 5
 # Approximate wall seconds per case in a full report, which times every case.
 FULL_BUDGET_A_CASE = 60.0
-# Wall seconds per case for cold starts (in addition to calls made for imports) and for time breakdowns.
-COLD_BUDGET, PARTS_BUDGET = 1.0, 1.5
+# Wall seconds for cold starts (in addition to calls made for imports) and for time breakdowns, of the one case of a
+# default report that has them.
+COLD_BUDGET, PARTS_BUDGET = 6.0, 6.0
 # Additional wall seconds of a case beyond its budget, for one more run and its compilations.
 PATIENCE = 60.0
 # Name of the build step that measures cold starts and time breakdowns.
 _EXTRA_STEP = "cold starts and parts"
 # Result of a contestant that an answer does not contain.
 _NONE = None, "it is missing from the clock's answer"
-# Budget (s) of contestants that are timed separately to find which of them ends its process.
-_TRIAL_SECONDS = 1.0
+# After so many time-outs of settings that are timed separately no other of their solver is tried.
+_MOST_LATE = 1
 
 
 class Timings(NamedTuple):
@@ -183,9 +184,13 @@ def _is_quiet(results: Mapping[Key, tuple[Any, str]]) -> bool:
 
 def _by_version(entrants: Sequence[Contestant]) -> list[list[Contestant]]:
     """The contestants by process: each solver selected with a version has its own process."""
+    return _by(entrants, lambda one: one.solver if split_version(one.solver)[1] else "")
+
+
+def _by(entrants: Sequence[Contestant], key: Callable[[Contestant], str]) -> list[list[Contestant]]:
     groups: dict[str, list[Contestant]] = {}
     for one in entrants:
-        groups.setdefault(one.solver if split_version(one.solver)[1] else "", []).append(one)
+        groups.setdefault(key(one), []).append(one)
     return list(groups.values())
 
 
@@ -199,72 +204,33 @@ _KEEP = StorePolicy("timing", of=_content, worth=_is_quiet)
 
 
 def time_together(
-    entrants: Sequence[Contestant], budget: float, share: float, alone: Calls, again: bool = True
+    entrants: Sequence[Contestant], budget: float, share: float, alone: Calls
 ) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
     """Time contestants in turn in one process; returns the timings, stored or new, and the failures.
 
-    Timings are stored if none is disturbed, with `share`, their part of the budget, in the key. If the process ends,
-    the contestants that end it are identified and the others are timed again. If none ends it alone, all are timed once
-    more (`again`), and then each solver separately. Versions of an engine have separate processes, one after another.
+    Timings are stored if none is disturbed, with `share`, their part of the budget, in the key. Versions of an engine
+    have separate processes, one after another; if a process ends, each solver has one, and then each setting.
     """
-    if len(processes := _by_version(entrants)) > 1:
-        portions = [(some, len(some) / len(entrants)) for some in processes]
-        results = [time_together(some, budget * part, share * part, alone, again) for some, part in portions]
-        measurements = [pair for pairs, _ in results for pair in pairs]
-        return measurements, [pair for _, pairs in results for pair in pairs]
-    keep = _KEEP._replace(of=lambda entrants, _: _content(entrants, share))
-    (answer,) = alone.all(
-        "timings", clock.time_all, [(entrants, budget)], limit=budget + PATIENCE, keep=keep, group=_group(entrants)
-    )
-    if answer.outcome == "done":
-        return _in_order([(entrants, answer)])
-    culprits = _culprits(entrants, alone)
-    remaining = [one for one in entrants if one not in culprits]
-    if remaining and (culprits or again):
-        measurements, more = time_together(remaining, budget, share, alone, again=bool(culprits))
-        return measurements, [*culprits.items(), *more]
-    groups = _by_solver(remaining)
-    calls = [(group, budget / len(groups)) for group in groups]
-    answers = alone.all("timings", clock.time_all, calls, limit=budget + PATIENCE)
-    measurements, more = _in_order(list(zip(groups, answers, strict=True)))
-    return measurements, [*culprits.items(), *more]
-
-
-def _in_order(
-    answers: Sequence[tuple[Sequence[Contestant], CallResult]],
-) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
-    """The contestants with a timing, and those without and the reason."""
+    processes, late = _by_version(entrants), 0
+    if len(processes) == 1:
+        keep = _KEEP._replace(of=lambda entrants, _: _content(entrants, share))
+        (answer,) = alone.all(
+            "timings", clock.time_all, [(entrants, budget)], limit=budget + PATIENCE, keep=keep, group=_group(entrants)
+        )
+        if answer.outcome == "done" or len(entrants) == 1:
+            lost = _NONE if answer.outcome == "done" else (None, answer.failure[1])
+            results = [(one, *(answer.value or {}).get(one.key, lost)) for one in entrants]
+            return [(one, found) for one, found, _ in results if found], [(one, why) for one, _, why in results if why]
+        processes = _by(entrants, lambda one: one.solver)
+        processes = processes if len(processes) > 1 else [[one] for one in entrants]
     measurements: list[tuple[Contestant, Timing]] = []
     problems: list[tuple[Contestant, str]] = []
-    for entrants, answer in answers:
-        for one in entrants:
-            timing, why = answer.value.get(one.key, _NONE) if answer.outcome == "done" else (None, answer.failure[1])
-            measurements += [(one, timing)] if timing else []
-            problems += [(one, why)] if why else []
+    for some in processes:
+        if late > _MOST_LATE:
+            problems += [(one, "not tried: others of its solver timed out") for one in some]
+            continue
+        part = len(some) / len(entrants)
+        timings, failures = time_together(some, budget * part, share * part, alone)
+        measurements, problems = [*measurements, *timings], [*problems, *failures]
+        late += len(some) == 1 and bool(failures) and "still running" in failures[0][1]
     return measurements, problems
-
-
-def _by_solver(entrants: Sequence[Contestant]) -> list[list[Contestant]]:
-    return [[one for one in entrants if one.solver == name] for name in dict.fromkeys(one.solver for one in entrants)]
-
-
-def _culprits(entrants: Sequence[Contestant], alone: Calls) -> dict[Contestant, str]:
-    """The contestants that end their process when timed separately, and the reason; by solver, then one by one."""
-    suspects = [
-        one
-        for group, answer in _time_in_turns(_by_solver(entrants), alone)
-        if answer.outcome != "done"
-        for one in group
-    ]
-    answers = _time_in_turns([[one] for one in suspects], alone)
-    return {one: answer.failure[1] for (one,), answer in answers if answer.outcome != "done"}
-
-
-def _time_in_turns(groups: list[list[Contestant]], alone: Calls) -> list[tuple[list[Contestant], CallResult]]:
-    def enough(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
-        late = sum(other[0][0].solver == call[0][0].solver for other in slow)
-        return CallResult("timed_out", reason="not tried: others of its solver timed out") if late > 1 else None
-
-    calls = [(group, _TRIAL_SECONDS) for group in groups]
-    answers = alone.all("timings", clock.time_all, calls, limit=PATIENCE, skip=enough)
-    return list(zip(groups, answers, strict=True))
