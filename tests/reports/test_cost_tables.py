@@ -178,7 +178,7 @@ def test_the_parts_of_an_engines_runs_are_in_the_table(report):
     rows = output[output.engine_s.notna() & (output.solver == "pymunk")]
     assert len(rows)
     parts = rows[["engine_s", "binding_s", "callback_s", "notes_s"]]
-    # That they add up to the whole is measured in `test_parts`.
+    # That they add up to the whole is measured in `test_shares`.
     assert (parts >= 0.0).all(axis=None)
 
 
