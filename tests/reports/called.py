@@ -16,9 +16,6 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
-
-from cases import Case
 from reports.running.processes import worker_process
 
 FE_UPWARD = 0x800  # <fenv.h> of x86
@@ -172,12 +169,3 @@ def waits(seconds: float, number: int) -> tuple[int, int]:
     """Takes so long, and says in which process."""
     time.sleep(seconds)
     return os.getpid(), number
-
-
-def work(log: str, key: Case, solver: str, numbers: np.ndarray, how: str) -> tuple[str, dict[str, np.ndarray]]:
-    """Note that it was called; double the numbers, or fail."""
-    with open(log, "a") as file:
-        file.write(f"{how}\n")
-    if how == "fails":
-        raise RuntimeError("as asked")
-    return how, {"twice": 2 * numbers}

@@ -1,5 +1,7 @@
 """Any engine, any fault, any part of it, any command: a row, status 0, and every other row as without it."""
 
+import os
+import sys
 from pathlib import Path
 
 import pandas as pd
@@ -47,6 +49,7 @@ FATES = {
         (part, "forks"): "answered"
         for part in ("import", "version", "refuses", "ladder", "grid", "build", "run", "read")
     },
+    **{(part, "prints"): "answered" for part in ("import", "version", "refuses", "ladder", "build", "run", "read")},
     ("run", "rounds"): "answered",
     ("run", "sulks"): "answered",
     ("run", "floods"): "crashed",
@@ -88,7 +91,10 @@ def installed(tmp_path, monkeypatch):
             fake_adapter.break_down(tmp_path, name_of(fault), *fault)
         return [name_of(fault) for fault in faults]
 
-    return install
+    yield install
+    callers = {int(line) for line in (tmp_path / "callers.txt").read_text().split()}
+    assert callers and os.getpid() not in callers, "an adapter was called in the parent process"
+    assert not any("adapter_of_tests" in name for name in sys.modules)
 
 
 def table(name: str, solvers: list[str]) -> pd.DataFrame:

@@ -41,47 +41,6 @@ def case_file(tmp_path, monkeypatch):
     return str(file)
 
 
-# There everybody may write, says the system, and nobody can.
-LINUX = pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
-
-
-@pytest.mark.parametrize(
-    "argv, hint",
-    [
-        (["--case", "disc_in_circel"], "disc_in_circle"),
-        (["--case", "disc_in_circle[mu=nan]"], "finite"),
-        (["--case", "disc_in_circle[m=-1]"], "greater than zero"),
-        (["--case", "disc_in_circle[mass=1]"], "parameter"),
-        (["--case", "disc_in_circle[mu]"], "parameter=number"),
-        (["--case", "disc_in_circle[r=2]"], "smaller plate"),
-        (["--solver", "exudin"], "exudyn"),
-        (["--solvr", "exudyn"], "--solver"),
-        (["--jobs", "many"], "whole number"),
-        (["--jobs", "0"], "from 1 to"),
-        (["--quick", "--full"], "not allowed with"),
-        (["--case-file", "nowhere.py"], "nowhere.py"),
-        (["--case"], "expected at least one"),
-        (["--out", "."], "inside it"),
-        (["--store", "a/b", "--out", "a"], "not inside each other"),
-        (["--store", __file__], "which is a file"),
-        pytest.param(["--out", "/proc/report"], "cannot be written to", marks=LINUX),
-    ],
-)
-def test_nonsense_is_told_in_one_line_and_nothing_is_written(argv, hint, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert build.main(argv) == 2
-    output = capsys.readouterr()
-    assert output.out == "" and output.err.count("\n") == 1 and hint in output.err
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_failing_case_file_is_told_in_one_line(case_file, tmp_path, capsys):
-    out = tmp_path / "out"
-    assert build.main(["--case-file", case_file, "--out", str(out)]) == 2
-    output = capsys.readouterr().err
-    assert output.count("\n") == 1 and "ZeroDivisionError" in output and not out.exists()
-
-
 @pytest.mark.parametrize("manifest", [None, "[]", "{", '{"made_by": "someone else", "files": ["mine.txt"]}'])
 def test_a_folder_that_is_no_report_is_left_alone(manifest, tmp_path, capsys):
     (tmp_path / "mine.txt").write_text("precious")
@@ -91,12 +50,6 @@ def test_a_folder_that_is_no_report_is_left_alone(manifest, tmp_path, capsys):
     assert build.main(["--out", str(tmp_path)]) == 2
     assert "and is no report; give another folder" in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == before and (tmp_path / "mine.txt").read_text() == "precious"
-
-
-def test_out_that_is_a_file_is_left_alone(tmp_path, capsys):
-    (tmp_path / "report").write_text("precious")
-    assert build.main(["--out", str(tmp_path / "report")]) == 2
-    assert "which is a file" in capsys.readouterr().err
 
 
 def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):

@@ -22,11 +22,6 @@ def test_a_sub_command_is_its_module(capsys):
     assert "disc_in_circle" in capsys.readouterr().out
 
 
-def test_a_wrong_word_is_told_the_right_one(capsys):
-    assert cli.main(["repot"]) == 2
-    assert capsys.readouterr().err == "slip-to-roll: there is no command 'repot'; did you mean report?\n"
-
-
 @pytest.mark.parametrize("name", cli.GONE)
 def test_a_command_that_is_gone_says_what_to_type(name, capsys):
     assert cli.main([name, "bash"]) == 2
@@ -59,11 +54,6 @@ def test_an_older_name_is_the_command_of_its_newer_one(old, new, monkeypatch):
     assert calls == [(new, ["--help"])] * 2 and new in cli.COMMANDS
 
 
-def test_release_alone_names_its_commands(capsys):
-    assert cli.main(["release"]) == 2
-    assert "did you mean release" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("name", [n for n in cli.COMMANDS if n != "prove check"])
 def test_help_has_the_name_by_which_the_command_was_called(name, capsys):
     words = [name, "show", "--help"] if name == "cases" else [*name.split(), "--help"]
@@ -80,21 +70,6 @@ def test_advice_mentions_make_only_where_the_suite_runs_from_a_clone():
         for file in (root / room).rglob("*.py"):
             text = file.read_text()
             assert "in_clone()" in text or not re.search(r"\bmake (report|quick|test|check|docs|walk)\b", text), file
-
-
-@pytest.mark.parametrize("command", ["sweep", "animate", "compare"])
-def test_every_command_finds_a_case_in_a_file_by_its_name(command, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
-    (tmp_path / "two_of_mine.py").write_text(TEMPLATE.format(name="one_of_mine") + TWO)
-    more = {"compare": ["none.csv"], "sweep": ["--vary", "mu=0.1,0.2"]}.get(command, [])
-    assert cli.main([command, "two_of_mine", *more]) == 2
-    assert "give one: two_of_mine.py:one_of_mine" in capsys.readouterr().err
-    assert cli.main([command, "two_of_mine.py:no_such_case", *more]) == 2
-    assert "there is no case in two_of_mine.py 'no_such_case'" in capsys.readouterr().err
-
-
-TWO = "\n\n@case\ndef another_of_mine():\n    return one_of_mine(mu=0.2)\n"
 
 
 @pytest.mark.slow

@@ -13,9 +13,8 @@ from pathlib import Path
 import pytest
 
 import cases
-from adapters import Setting, lookup
+from adapters import Setting
 from cases import Cost
-from reports import build
 from reports.running import experiment
 from reports.running.calls import Calls, StorePolicy
 from reports.running.processes import cluster_probe, cluster_worker
@@ -127,16 +126,6 @@ def test_only_what_is_the_same_anywhere_goes_to_a_cluster(keep, goes):
         list(calls.each("step", cluster_worker.difference, [((), ())], keep=keep))
         assert bool(noted.functions) is goes and bool(own.functions) is not goes
         assert calls.alone().cluster is None  # what is timed
-
-
-def test_engines_of_a_file_and_a_cluster_are_refused_together(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv(lookup.EXECUTABLES, "")  # and again after the test
-    engine = tmp_path / "mine"
-    engine.write_text("#!/bin/sh\n")
-    engine.chmod(0o755)
-    assert build.main(["--engine", str(engine), "--dask", "local"]) == 2
-    assert "give one of the two" in capsys.readouterr().err
 
 
 # --- on loopback ------------------------------------------------------------------------------------------------------

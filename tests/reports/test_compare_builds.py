@@ -137,12 +137,6 @@ def test_ranks_that_changed_are_told(report, tmp_path):
     assert (table, column, one, two) == ("time_to_accuracy", "rank", 2.0, 1.0)
 
 
-def test_a_folder_without_a_report_is_told_in_one_line(report, tmp_path, capsys):
-    assert compare_builds.main([str(report), str(tmp_path)]) == 2
-    output = capsys.readouterr().err
-    assert output.count("\n") == 1 and "contains no report" in output
-
-
 @pytest.mark.slow
 def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(tmp_path):
     """Nothing is taken from a store. A test of the machine as well: it must be quiet for its times."""
@@ -184,13 +178,6 @@ def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):
     both("trajectories", "centre_max").to_csv(other / "tables" / "trajectories.csv", index=False)
     assert compare_builds.main(words) == 3
     assert "centre_max 1e-15 | 0.125" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("names, hint", [(["a"], "give --solver twice"), (["a", "c"], "no rows of the solver c")])
-def test_a_solver_that_is_not_there_or_alone_is_told(names, hint, report, capsys):
-    words = [word for name in names for word in ("--solver", name)]
-    assert compare_builds.main([str(report), str(report), *words]) == 2
-    assert hint in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

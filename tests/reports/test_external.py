@@ -122,38 +122,3 @@ def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
     unknown = replace(nothing_yet, truths={LABEL: Truth(failure="the witnesses disagree")})
     (run,) = external_motions.join_external(unknown, external_motions.from_options([f"mine={file}"], [CASE], ())).runs
     assert (run.outcome, run.reason) == ("unsupported", "there is no truth to judge it by: the witnesses disagree")
-
-
-@pytest.mark.parametrize(
-    ("text", "output"),
-    [
-        ("mine", "give --trajectory NAME=FILE.csv"),
-        ("=mine.csv", "give --trajectory NAME=FILE.csv"),
-        ("reference=mine.csv", "takes the name of the solver reference"),
-        ("mine@disc_on_lien=mine.csv", "there is no case in this report 'disc_on_lien'"),
-        ("mine=nowhere.csv", "there is no file 'nowhere.csv'"),
-        ("mine=columns.csv", "has no column theta"),
-        ("mine=unsorted.csv", "does not increase"),
-        ("mine=millimetres.csv", "give metres"),
-    ],
-)
-def test_unusable_trajectory_is_told_in_one_line_before_anything_runs(
-    text, output, tmp_path, motion, monkeypatch, capsys
-):
-    monkeypatch.chdir(tmp_path)
-    motion.to_csv("mine.csv", index=False)
-    motion.drop(columns="theta").to_csv("columns.csv", index=False)
-    motion.iloc[::-1].to_csv("unsorted.csv", index=False)
-    motion.assign(x=1e3 * motion.x, y=1e3 * motion.y).to_csv("millimetres.csv", index=False)
-    before = sorted(tmp_path.iterdir())
-    assert build.main(["--case", LABEL, "--trajectory", text]) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1 and output in said.err
-    assert sorted(tmp_path.iterdir()) == before
-
-
-def test_trajectory_without_a_case_needs_a_report_of_one(file, capsys):
-    assert build.main(["--case", "disc_on_line", "--trajectory", f"mine={file}"]) == 2
-    assert "names no case, and the report has" in capsys.readouterr().err
-    assert build.main(["--trajectory", f"mine@disc_on_line={file}"]) == 2
-    assert "give one of disc_on_line[" in capsys.readouterr().err

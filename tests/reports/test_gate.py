@@ -89,25 +89,6 @@ def test_formats_for_programs(tmp_path, capsys):
     assert failure.get("message") == "answered, now crashed"
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["--worse-than", "ten"], "--worse-than is 'ten'; give a share such as 10% or 0.1"),
-        (["--worse-than", "-5%"], "expected one argument"),
-        (["--worse-than=-5%"], "--worse-than is '-5%'; give a share such as 10% or 0.1"),
-        (["--format", "yaml"], "--format is 'yaml'; give one of text, json, junit"),
-        (["--solver", "nobody"], "has no runs of the solver nobody"),
-        (["no such folder"], "contains no report"),
-    ],
-)
-def test_invalid_input_is_one_sentence(words, sentence, tmp_path, capsys):
-    old = report(tmp_path / "old", RUN)
-    words = words if words[0].startswith("no") else [old, *words]
-    assert gate.main(["--baseline", old, *words]) == 2
-    output = capsys.readouterr()
-    assert sentence in output.err and output.err.count("\n") == 1 and not output.out
-
-
 def test_reports_without_a_common_run_cannot_be_compared(tmp_path, capsys):
     old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | {"case": "disc_on_incline"})
     assert gate.main(["--baseline", old, new]) == 2

@@ -10,7 +10,7 @@ import pytest
 import cases
 from adapters import Setting
 from cases import BadValue, Mode
-from reports import cli, history
+from reports import history
 from reports.analysis import version_history
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
@@ -153,21 +153,6 @@ def test_an_index_that_cannot_be_reached_is_a_sentence(index, monkeypatch):
         versions.releases("pymunk")
     with pytest.raises(BadValue, match="lists no versions"):
         versions.releases("reference")
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        ([], "name an engine, for example pymunk"),
-        (["pymunk@7.0.0"], "give an engine without a version"),
-        (["reference"], "reference has no history of releases"),
-        (["pymnk"], "choose from box2d, exudyn"),
-    ],
-)
-def test_invalid_input_is_one_sentence(words, sentence, capsys):
-    assert cli.main(["history", *words]) == 2
-    output = capsys.readouterr()
-    assert sentence in output.err and output.err.count("\n") == 1
 
 
 @pytest.mark.slow

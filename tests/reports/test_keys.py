@@ -151,6 +151,7 @@ def test_a_key_tells_machine_packages_and_python(name, value, monkeypatch):
         (cases.Start(0.5), cases.Gravity(0.5)),
         (cases.Curve(("s", "0"), (0.0, 1.0)), cases.Curve(("s", "0"), (0.0, 2.0))),
         ("x" * 5000, "x" * 5001),
+        [dataclasses.make_dataclass(name, [("x", float)])(1.0) for name in ("Friction", "Rolling")],
     ],
 )
 def test_arguments_that_differ_have_other_keys(one, other):
@@ -161,14 +162,8 @@ def test_arguments_that_differ_have_other_keys(one, other):
 def test_what_cannot_be_compared_has_no_key_and_is_not_kept():
     call = (cases.load("disc_on_line"), "pymunk", "native", Setting.of(h=0.1), 1, lambda: None)
     assert Calls(versions=VERSIONS).key(tasks.perform, call, experiment._KEEP_RUN) is None
+    assert run_key(cases.load("disc_on_line"), versions={"pymunk": ""}) is None
     assert fingerprint.of_argument(np.array([print], dtype=object)) is None
-
-
-def test_a_record_s_class_is_part_of_it():
-    """Two effects of the same fields and numbers."""
-    fields = [("x", float)]
-    one, other = (dataclasses.make_dataclass(name, fields)(1.0) for name in ("Friction", "Rolling"))
-    assert fingerprint.of_argument(one) != fingerprint.of_argument(other)
 
 
 def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):

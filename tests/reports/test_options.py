@@ -12,7 +12,7 @@ import cases
 from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.files.command_line import status
 from cases.library import line
-from reports import animate, build, cli, compare, deposit, options, show, study, sweep
+from reports import animate, build, cli, deposit, options, show, sweep
 
 pytestmark = pytest.mark.builds
 
@@ -34,26 +34,8 @@ def test_help_imports_nothing_slow_and_writes_nothing(command, tmp_path):
     assert not imported & SLOW
 
 
-@pytest.mark.parametrize("main", [build.main, compare.main, study.main, lambda words: show_main(words)])
-@pytest.mark.parametrize(
-    "words", [["--colour"], ["--jobs"], ["stability", "a", "b", "c"], ["--case-file", "no.py", "x", "y"]]
-)
-def test_every_command_refuses_what_it_does_not_know_in_one_sentence(main, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(words) == 2
-    output = capsys.readouterr()
-    assert output.out == "" and output.err.count("\n") == 1 and list(tmp_path.iterdir()) == []
-
-
 def show_main(words) -> int:
     return status("cases", show.run, words)
-
-
-@pytest.mark.parametrize("main", [build.main, sweep.main])
-@pytest.mark.parametrize("option", ["--jobs=--", "--out=--", "--case-file=--"])
-def test_an_option_without_a_value_is_refused_in_one_sentence(main, option, capsys):
-    assert main(["disc_on_line", option] if main is sweep.main else [option]) == 2
-    assert "has no value but --" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("main", "kind"), [(show_main, "FILE"), (animate.main, "FILE"), (deposit.main, "FILE"),

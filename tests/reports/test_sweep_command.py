@@ -94,47 +94,6 @@ def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypat
     assert sweep.main([*few, "--fresh"]) == 0
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["disc_in_circel", "--vary", "mu=0:1:3"], "there is no case 'disc_in_circel'"),
-        (["disc_in_circle", "--vary", "nu=0:1:3"], "there is no parameter of disc_in_circle 'nu'"),
-        (["disc_in_circle", "--vary", "mu=1:0:3"], "which is empty"),
-        (["disc_in_circle", "--vary", "mu"], "write --vary parameter=low:high:count"),
-        (["disc_in_circle"], "nothing varies"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--vary", "mu=0:1:3"], "given twice"),
-        (["disc_in_circle", "--vary", "mu=0:1", "--sample", "sobol"], "needs the number of scenarios"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--refine", "0"], "--refine is 0; give a number greater than zero"),
-        (["disc_in_circle", "--vary", "mu=0.1,0.2", "--refine", "1e-3"], "needs a range to divide"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--solver", "exudin"], "there is no solver 'exudin'"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--jobs", "0"], "from 1 to"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--rtol", "much"], "give a number"),
-        (
-            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--number", "1.5"],
-            "--number is 1.5; give a whole",
-        ),
-        (
-            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--seed", "0.5"],
-            "--seed is 0.5",
-        ),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--dask", "nonsense"], "missing port number in address 'nonsense'"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "contains the working folder"),
-        (
-            ["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"],
-            "holds letter.txt and is no sweep; give another folder",
-        ),
-    ],
-)
-def test_what_makes_no_sense_is_said_in_one_line_before_anything_runs(words, sentence, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "letter.txt").write_text("dear friend")
-    assert sweep.main(words) == 2
-    output = capsys.readouterr()
-    assert sentence in output.err and output.err.count("\n") == 1 and not output.out
-    assert {file.name for file in tmp_path.iterdir()} == {"mine"}
-
-
 @pytest.mark.filterwarnings("ignore")  # Dask's own, of a connection that nobody answers
 def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
