@@ -7,20 +7,14 @@ import operator
 import os
 import re
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-import cases
-from adapters import Setting
-from cases import Cost
-from reports.running import experiment
-from reports.running.calls import Calls, StorePolicy
+from reports.running.calls import Calls
 from reports.running.processes import cluster_probe, cluster_worker
 from reports.running.processes.cluster import Cluster, NoWorkers
 from reports.running.processes.workers import WorkerPool
-from reports.running.records import Run
 
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.builds, pytest.mark.filterwarnings("ignore")]  # Dask's own
@@ -99,100 +93,7 @@ def test_what_differs_is_told():
     )
 
 
-class Noted:
-    """A cluster that notes what it is asked, and answers nothing."""
-
-    def __init__(self):
-        self.functions = []
-
-    def run(self, function, *_):
-        self.functions.append(function)
-        yield from ()
-
-
-@pytest.mark.parametrize(
-    ("keep", "goes"),
-    [
-        (StorePolicy("run"), True),
-        (StorePolicy("truth"), True),
-        (StorePolicy(), True),
-        (StorePolicy("figure"), False),
-        (None, False),
-    ],
-)
-def test_only_what_is_the_same_anywhere_goes_to_a_cluster(keep, goes):
-    with Calls(1, cluster=(noted := Noted())) as calls:
-        calls._pool.run = (own := Noted()).run
-        list(calls.each("step", cluster_worker.difference, [((), ())], keep=keep))
-        assert bool(noted.functions) is goes and bool(own.functions) is not goes
-        assert calls.alone().cluster is None  # what is timed
-
-
 # --- on loopback ------------------------------------------------------------------------------------------------------
-
-CASES = (cases.load("disc_on_line"), cases.load("disc_in_circle", mu=0.2))
-SOLVERS = ("reference", "exudyn", "pymunk")
-
-
-def some(case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-    return settings[:3]
-
-
-def plain(run: Run) -> tuple:
-    """A run without what it cost and when, its arrays as bytes: NaN is NaN."""
-    arrays = [(name, a.tobytes()) for kept in (run.samples, run.off) for name, a in kept.items()]
-    return arrays, repr(replace(run, samples={}, off={}, when="", cost=Cost(steps=run.cost.steps)))
-
-
-@pytest.fixture(scope="module")
-def exact():
-    with Calls(2) as calls:
-        found = experiment.run_cases(CASES, SOLVERS, calls, some)
-    assert len(found.runs) > 20
-    return [plain(run) for run in found.runs]
-
-
-def ran(loopback, patience: float = 120.0, after=lambda number: None) -> list[tuple]:
-    """The runs by a cluster; `after(n)` is called when the n-th has come."""
-
-    def watched(step, total, answers):
-        for number, answer in enumerate(answers):
-            yield answer
-            if step.startswith("runs"):
-                after(number)
-
-    with Calls(2, progress=watched) as calls:
-        present = calls.present(SOLVERS)
-        identity = cluster_worker.identity({name: calls.versions[name] for name in present})
-        calls.cluster = Cluster(loopback.address, 2, identity, present, patience=patience)
-        return [plain(run) for run in experiment.run_cases(CASES, SOLVERS, calls, some).runs]
-
-
-@pytest.mark.slow
-def test_runs_are_the_same_while_workers_are_killed(loopback, exact):
-    loopback.start_worker(), loopback.start_worker()
-
-    def kill(number):
-        if number % 8 == 3:  # whoever is at work longest, with what it holds; another takes its place
-            victim = next(worker for worker in loopback.workers if worker.poll() is None)
-            loopback.start_worker()
-            victim.kill()
-            victim.wait()
-
-    assert ran(loopback, after=kill) == exact
-    assert sum(worker.poll() is not None for worker in loopback.workers) >= 3
-
-
-@pytest.mark.slow
-def test_runs_are_the_same_when_the_scheduler_was_gone(loopback, exact, capsys):
-    loopback.start_worker(), loopback.start_worker()
-
-    def restart(number):
-        if number == 5:
-            loopback.restart_scheduler()
-
-    assert ran(loopback, after=restart) == exact
-    assert "is gone" in capsys.readouterr().err
 
 
 def without(tmp_path, package: str) -> str:
@@ -222,8 +123,13 @@ def with_version(tmp_path, package: str) -> str:
 )
 def test_a_worker_that_differs_is_left_out_and_the_reason_told(loopback, tmp_path, capsys, lacks, package, words):
     loopback.start_worker(path=lacks(tmp_path, package))
-    with pytest.raises(NoWorkers, match=f"no worker at .* fits: .*{words}"):
-        ran(loopback, patience=40.0)
+    solvers = ("reference", "exudyn", "pymunk")
+    with Calls(2) as calls:
+        present = calls.present(solvers)
+        identity = cluster_worker.identity({name: calls.versions[name] for name in present})
+    machines = Cluster(loopback.address, 2, identity, present, patience=40.0)
+    with pytest.raises(NoWorkers, match=f"no worker at .* is suitable: .*{words}"):
+        list(machines.run(math.sqrt, [(4.0,)]))
     assert words in capsys.readouterr().err
 
 

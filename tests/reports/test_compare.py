@@ -190,16 +190,6 @@ def test_creep_of_a_tenth_of_the_fastest_slip_is_slip(tmp_path, capsys):
     assert status == 0 and "spurious" in text
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
-def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, shift, when):
-    frame = table(FULL[:7]).iloc[::4]
-    beside = MOTION(np.clip(frame.t + 4e-3 * shift, 0.0, MOTION.t[-1]))
-    moved = frame.assign(vx=beside.vx, vy=beside.vy, omega=beside.omega)
-    assert f"half a step {when} the poses" in judged(tmp_path, capsys, moved)[1]
-    assert "half a step" not in judged(tmp_path, capsys, frame)[1]
-
-
 @pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
 def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, when):
@@ -275,14 +265,6 @@ def test_roundings_of_a_plate_that_turns_on_the_spot_are_no_mistake(monkeypatch)
     assert "theta seems to be in degrees" in mistake
     monkeypatch.setattr(diagnosis, "_fits", None)  # nothing is searched
     assert not diagnosis.pose_mistake(case, columns, true)
-
-
-def test_mirrored_angle_is_noticed(tmp_path, capsys):
-    frame = table(FULL[:4])
-    status, text, _ = judged(tmp_path, capsys, frame.assign(theta=-frame.theta))
-    assert status == 0
-    assert "theta seems to be mirrored" in text
-    assert "mirrored" not in judged(tmp_path, capsys, frame)[1]
 
 
 @pytest.mark.parametrize(
@@ -416,16 +398,3 @@ def test_landing_without_impact_ends_the_motion(tmp_path):
     output = motion_file.trajectory_of(case, motion_table.read(tmp_path / "fall.csv"))
     assert output.status == "landing"
     assert output.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
-
-
-def test_unknown_case_or_file_is_told(tmp_path, capsys):
-    assert compare.main(["disc_in_circel", str(tmp_path / "none.csv")]) == 2
-    assert "disc_in_circle" in capsys.readouterr().err
-    assert compare.main([NAME, str(tmp_path / "none.csv")]) == 2
-    assert "there is no file" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("words", [["--solver", "exudyn"], ["--worse-than", "10%"]])
-def test_options_of_two_reports_are_refused_with_a_file(words, capsys):
-    assert compare.main(["disc_on_line[mu=0.1]", "mine.csv", *words]) == 2
-    assert "are for the folders of two reports; leave them out" in capsys.readouterr().err

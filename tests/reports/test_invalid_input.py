@@ -79,6 +79,7 @@ ROWS = [
     (f"compare {LABEL} mine.csv --colour", "there is no option '--colour'"),
     (f"compare {LABEL} nowhere.csv", "nowhere.csv"),
     (f"compare {LABEL} mine.csv --solver exudyn", "are for the folders of two reports"),
+    (f"compare {LABEL} mine.csv --worse-than 10%", "are for the folders of two reports"),
     ("compare bowls none.csv", "give one: bowls.py:bowl"),
     ("compare bowls.py:no_such_case none.csv", "there is no case in bowls.py 'no_such_case'"),
     ("compare old mine", "contains no report"),

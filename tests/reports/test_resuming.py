@@ -7,14 +7,12 @@ import subprocess
 import sys
 import time
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 import cases
-from adapters import Setting
 from reports import build, options
 from reports.analysis import table_list
 from reports.analysis.table_list import Results
@@ -23,8 +21,6 @@ from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.processes import workers
 from reports.running.storage.result_store import Store
-from reports.running.timing import timed_pass
-from reports.running.timing.clock import NO_TIMING, Contestant, Timing
 
 from .. import fake_adapter
 from .identical import identical
@@ -122,70 +118,6 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
     killed, own = workers._death(-signal.SIGKILL), workers._death(-signal.SIGSEGV)
     assert "SIGKILL, from outside" in killed.reason and not killed.lasting
     assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
-
-
-@pytest.mark.parametrize("disturbed, times", [(False, 1), (True, 2)])
-def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp_path):
-    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 0.7, 5, 0, disturbed)
-    who = contestants("a", "b")
-    made = []
-
-    class Pool:
-        def run(self, function, arguments, *_):
-            made.append(arguments)
-            yield 0, workers.CallResult("done", value={who[0].key: (timing, ""), who[1].key: (None, "it fell over")})
-
-    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
-    calls._pool = Pool()
-    for _ in range(2):
-        assert timed_pass.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
-    assert len(made) == times
-
-
-class Clock:
-    """Stands for workers: ends whenever one of `deadly` is timed, or more than `most` contestants together."""
-
-    def __init__(self, deadly=(), most=99):
-        self.deadly, self.most = deadly, most
-
-    def run(self, function, arguments, *_):
-        for i, (who, _) in enumerate(arguments):
-            if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
-                yield i, workers.CallResult("died", reason="it ended")
-            else:
-                yield i, workers.CallResult("done", value={one.key: (TIMING, "") for one in who})
-
-
-TIMING = replace(NO_TIMING, cpu_s=1.0)
-
-
-@pytest.mark.parametrize(("clock", "lost"), [(Clock("b"), "b"), (Clock("bd"), "bd"), (Clock(most=3), "")])
-def test_a_crash_at_the_clock_costs_nobody_else_a_timing(clock, lost):
-    who = [*contestants("a", "b", "c"), *(one._replace(solver="exudyn") for one in contestants("d", "e"))]
-    calls = Calls(store=Store(None), versions=VERSIONS)
-    calls._pool = clock
-    found, failed = timed_pass.time_together(who, 7.0, 10.0, calls)
-    assert [one.setting["s"] for one, why in failed if why == "it ended"] == list(lost)
-    assert [one.setting["s"] for one, _ in found] == [s for s in "abcde" if s not in lost]
-
-
-def contestants(*settings: str) -> list[Contestant]:
-    return [Contestant(cases.load("disc_on_line"), "pymunk", "native", Setting.of(s=s), 0.1) for s in settings]
-
-
-def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_path):
-    made = []
-
-    class Pool:
-        def run(self, function, arguments, *_):
-            made.append(arguments)
-            yield 0, workers.CallResult("done", value={one.key: (None, "it fell over") for one in arguments[0][0]})
-
-    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
-    calls._pool = Pool()
-    for who, share, new in (("ab", 10.0, 1), ("ba", 10.0, 1), ("a", 10.0, 2), ("a", 60.0, 3), ("ab", 10.0, 3)):
-        timed_pass.time_together(contestants(*who), 7.0, share, calls)
-        assert len(made) == new, (who, share)
 
 
 # --- a build that is stopped ------------------------------------------------------------------------------------------

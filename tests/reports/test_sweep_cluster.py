@@ -68,23 +68,3 @@ def test_a_scheduler_that_goes_and_comes_back_loses_nothing(loopback, exact, cap
 
     assert rows(taken()).equals(exact)
     assert "is gone" in capsys.readouterr().err
-
-
-def test_a_worker_without_heyoka_is_left_out_and_the_reason_told(loopback, exact, capsys, tmp_path):
-    other = tmp_path / "other" / "heyoka"
-    other.mkdir(parents=True)
-    (other / "__init__.py").write_text("raise ImportError('not here')\n")
-    loopback.start_worker(path=str(other.parent))
-    loopback.start_worker()
-    assert rows(asked(loopback)).equals(exact)
-    output = capsys.readouterr().err
-    assert "method of the reference is dop853, not taylor" in output
-
-
-def test_where_nobody_fits_it_is_said_in_a_sentence(loopback, tmp_path):
-    other = tmp_path / "other" / "heyoka"
-    other.mkdir(parents=True)
-    (other / "__init__.py").write_text("raise ImportError('not here')\n")
-    loopback.start_worker(path=str(other.parent))
-    with pytest.raises(OSError, match="no worker at .* fits: .*dop853"):
-        list(asked(loopback, patience=20.0))

@@ -12,6 +12,7 @@ import cases
 from adapters import Setting, lookup
 from cases import Cost, Mode, Transition
 from reports.judging.score import Score
+from reports.running.processes.worker_process import CallResult
 from reports.running.records import Experiment, Run, Truth
 from reports.running.storage.result_store import Store
 from reports.running.timing import clock, cold_start, time_breakdown, timed_pass
@@ -187,6 +188,30 @@ def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(e
     assert [(list(who), budget) for who, budget in made.made] == [
         (AB, 4.0), ([versions[0]], 2.0), ([versions[1]], 2.0),
     ]  # fmt: skip
+
+
+class Deadly:
+    """Stands for workers: ends whenever one of `deadly` is timed, or more than `most` contestants together."""
+
+    def __init__(self, deadly=(), most=99):
+        self.deadly, self.most = deadly, most
+
+    def run(self, function, arguments, *_):
+        for i, (who, _) in enumerate(arguments):
+            if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
+                yield i, CallResult("died", reason="it ended")
+            else:
+                yield i, CallResult("done", value={one.key: (replace(clock.NO_TIMING, cpu_s=1.0), "") for one in who})
+
+
+@pytest.mark.parametrize(("pool", "lost"), [(Deadly("b"), "b"), (Deadly("bd"), "bd"), (Deadly(most=3), "")])
+def test_a_crash_at_the_clock_costs_nobody_else_a_timing(pool, lost):
+    who = [AB[0]._replace(solver="pymunk" if s in "abc" else "exudyn", setting=Setting.of(s=s)) for s in "abcde"]
+    made = calls()
+    made._pool = pool
+    found, failed = timed_pass.time_together(who, 7.0, 10.0, made)
+    assert [one.setting["s"] for one, why in failed if why == "it ended"] == list(lost)
+    assert [one.setting["s"] for one, _ in found] == [s for s in "abcde" if s not in lost]
 
 
 # --- what is timed ----------------------------------------------------------------------------------------------------
