@@ -47,14 +47,14 @@ from cases import (
     Trajectory,
     Unilateral,
 )
-from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.motion.mechanics import gravity
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
-from cases.scene.free_plates import plates_of, start_poses
+from cases.scene.free_plates import plates_of
 
 from ..common import driven_tracks, facets, feature_contacts, half_steps
+from ..common.starts import starts_of
 from ..interface import Refusal, Setting
 from . import shapes
 from .meanings import MEANINGS
@@ -202,7 +202,7 @@ class Box2dModel:
 def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     """A world with the plate at the case's start. The step divides the duration evenly."""
     steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting)
-    h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
+    h, scale = case.duration / steps, setting["scale"]
     pull = scale * gravity(case)
     world = pyb2d3.World(gravity=(float(pull[0]), float(pull[1])), maximum_linear_speed=SPEED * scale)
     if "hertz" in knobs:
@@ -217,10 +217,8 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     track = shapes.track_body(case, world, scale)
     shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
     shapes.add_supports(case, track, scale, knobs.get("facets", 1))
-    begins = [(start.x, start.y, start.theta, start.vx, start.vy, start.omega)]
-    begins += start_poses(case)[1:].tolist()
     plates = []
-    for plate, (x, y, theta, vx, vy, omega) in zip(plates_of(case), begins, strict=True):
+    for plate, (x, y, theta, vx, vy, omega) in zip(plates_of(case), starts_of(case).tolist(), strict=True):
         body = world.create_dynamic_body(position=(scale * x, scale * y), rotation=shapes.rotation(theta))
         shapes.add_plate(case, plate, body, material, scale, knobs.get("vertices", 1))
         mass = pyb2d3.MassData()
@@ -263,8 +261,7 @@ def read(model: Box2dModel) -> Trajectory:
     rows = np.array(model.rows).reshape(-1, len(model.plates), 6) / np.array([scale, scale, 1.0, scale, scale, 1.0])
     # The engine's angle has no whole turns.
     theta = np.unwrap(rows[..., 2], axis=0)
-    begin = [start_motion(case).theta, *(other.start.theta for other in case.others)]
-    rows[..., 2] = theta + 2 * np.pi * np.round((begin - theta[0]) / (2 * np.pi))
+    rows[..., 2] = theta + 2 * np.pi * np.round((starts_of(case)[:, 2] - theta[0]) / (2 * np.pi))
     rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
     engine: dict[str, Any] = dict(rough=rough, lever=0.5, rounding=ROUNDING, rest=half_steps.rest(knobs["substeps"]))
     rows = rows if case.others else rows[:, 0]

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases import Case
-from cases.contact import Contact, start_motion
+from cases.contact import Contact
 from cases.motion.mechanics import gravity
-from cases.scene.free_plates import plates_of, start_poses
+from cases.scene.free_plates import plates_of
 
 from ..interface import EngineFailure
+from .starts import starts_of
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,8 @@ def check_rows(record: StepRecord) -> None:
 def velocities_before(record: StepRecord) -> np.ndarray:
     """The velocities before each row's pose, shape (n, 3) or (n, plates, 3): the start's, then those after the pose
     before."""
-    start = start_motion(record.case)
-    first = start_poses(record.case)[:, 3:] if record.case.others else np.array([start.vx, start.vy, start.omega])
-    return np.concatenate([first[None], record.rows[:-1, ..., 3:]])
+    first = starts_of(record.case)[:, 3:]
+    return np.concatenate([first[None] if record.case.others else first, record.rows[:-1, ..., 3:]])
 
 
 def spans(record: StepRecord) -> tuple[np.ndarray, float]:

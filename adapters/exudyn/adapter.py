@@ -31,6 +31,7 @@ from __future__ import annotations
 
 from itertools import product
 from math import ceil, hypot, inf, sqrt
+from typing import Any, cast
 
 import exudyn as exu
 import numpy as np
@@ -52,12 +53,11 @@ from cases import (
 from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.moving_frame import relative_case
-from cases.scene.contact_limits import touches_by_features
 from cases.scene.free_plates import plates_of
 
 from ..common import driven_tracks
 from ..interface import Refusal, Setting
-from . import constraints, free_plates, integrator, native, older_versions, rolls, supports
+from . import constraints, integrator, native, older_versions, rolls
 from .meanings import MEANINGS
 from .reader import ExudynModel, read
 from .system import scales
@@ -160,7 +160,7 @@ def refuses(case: Case, route: str) -> str | None:
             f"Exudyn's contacts do not support {' and '.join(missing)}.", "no such parameter in its contact objects"
         )
     if case.others:
-        return free_plates.refuses(case)
+        return native.refuses(case)
     if not case.plate.turns and route != "native":
         return Refusal("The inertia in this route's mass matrix is finite, and this plate does not turn.")
     friction = case.effect(CoulombFriction)
@@ -183,7 +183,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    if touches_by_features(case) or case.others:
+    if native.has_several(case):
         return None
     return Refusal("Exudyn's contact of a disc with a curve has one place; give the places as supports.")
 
@@ -288,21 +288,14 @@ def _round(value: float) -> float:
 def build(case: Case, route: str, setting: Setting) -> ExudynModel:
     """The engine's system for a case that the route supports; a driven track's in the frame of the track."""
     outside, case = case, relative_case(case)
-    if _uses_constraint(case, route):
-        return ExudynModel(case, route, setting, constraints.build(case, setting), outside)
-    return ExudynModel(case, route, setting, _maker(case, route).build(case, setting), outside)
-
-
-def _maker(case: Case, route: str):
-    """The module that builds a case without a constraint."""
+    friction, maker = case.effect(CoulombFriction), cast(Any, native)
     if route != "native":
-        return integrator
-    friction = case.effect(CoulombFriction)
-    if case.others:
-        return free_plates
-    if friction and friction.by_speed:
-        return rolls
-    return supports if touches_by_features(case) else native
+        maker = integrator
+    elif _uses_constraint(case, route):
+        maker = constraints
+    elif friction and friction.by_speed:
+        maker = rolls
+    return ExudynModel(case, route, setting, maker.build(case, setting), outside)
 
 
 def run(model: ExudynModel) -> None:

@@ -12,10 +12,11 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Belt, Case, Curve, Gravity, Load, Plate
+from cases import Belt, Curve, Gravity, Load, Plate
 from cases.curves.line_or_circle import as_circle, as_line
 
 from . import older_versions
+from .system import HasEffects
 
 # The mass of a running surface in masses of the plate: within 10 s a plate changes its speed by 1e-7 m/s.
 HEAVY = 1e9
@@ -56,27 +57,31 @@ def add_load(system, body: int, load: Load) -> None:
     def moment(system, time, _vector) -> list[float]:
         return [0.0, 0.0, now(system, time)[2]]
 
-    marker = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
-    system.AddLoad(item.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))  # type: ignore[arg-type]
-    system.AddLoad(item.LoadTorqueVector(markerNumber=marker, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+    centre = marker(system, body)
+    system.AddLoad(item.LoadForceVector(markerNumber=centre, loadVectorUserFunction=force))  # type: ignore[arg-type]
+    system.AddLoad(item.LoadTorqueVector(markerNumber=centre, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+
+
+def marker(system, body: int, u: float = 0.0, v: float = 0.0) -> int:
+    """Add a marker of a body at a point of its frame."""
+    return int(system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[u, v, 0.0])))
 
 
 def ground(system, point: Sequence[float] | np.ndarray) -> int:
     """Add a marker of the ground at a point of the plane."""
-    body = system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0]))
-    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    return marker(system, system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0])))
 
 
-def surface(system, curve: Curve, case: Case) -> int:
+def surface(system, curve: Curve, acting: HasEffects, mass: float) -> int:
     """Add a marker of the body that carries a line or a circle, at the origin or at the circle's centre: the ground, or
-    a heavy body that moves as the case's belt."""
-    line, circle, belt = as_line(curve), as_circle(curve), case.effect(Belt)
+    a body that is heavy beside a plate of that mass (kg) and moves as the belt that acts there."""
+    line, circle, belt = as_line(curve), as_circle(curve), acting.effect(Belt)
     place = circle.centre if circle else np.zeros(2)
     if belt is None:
         return ground(system, place)
     speed = belt.constant
     assert speed is not None, "checked by `refuses`"
-    mass = HEAVY * case.plate.mass
+    mass *= HEAVY
     if line:
         velocities, inertia = [*(speed * line.direction).tolist(), 0.0], mass
     else:
@@ -86,7 +91,7 @@ def surface(system, curve: Curve, case: Case) -> int:
         inertia = mass * circle.radius**2
     node = system.AddNode(item.NodeRigidBody2D(initialCoordinates=[*place.tolist(), 0.0], initialVelocities=velocities))
     body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, **older_versions.rigid_body(mass, inertia)))
-    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    return marker(system, body)
 
 
 def node_sensors(system, node: int) -> tuple[int, int]:

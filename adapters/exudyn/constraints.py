@@ -18,20 +18,14 @@ from cases.curves.line_or_circle import as_circle, as_line
 
 from ..common.flights import BEYOND
 from ..interface import Refusal, Setting
-from .bodies import add_load, add_plate, ground, node_sensors
-from .system import (
-    ExudynContact,
-    ExudynSystem,
-    SensorData,
-    disc_circle,
-    external_forces,
-)
+from .bodies import add_load, add_plate, ground, marker, node_sensors
+from .system import ExudynContact, ExudynSystem, HasEffects, SensorData, disc_circle, external_forces
 
 
-def suits(case: Case) -> bool:
-    """Whether the engine models the case, a disc on a line or a circle, by a constraint."""
-    rough, bilateral = case.effect(PerfectlyRough) is not None, case.effect(Unilateral) is None
-    return rough or (bilateral and case.effect(CoulombFriction) is None)
+def suits(acting: HasEffects) -> bool:
+    """Whether the engine models a disc on a line or a circle, where these effects act, by a constraint."""
+    rough, bilateral = acting.effect(PerfectlyRough) is not None, acting.effect(Unilateral) is None
+    return rough or (bilateral and acting.effect(CoulombFriction) is None)
 
 
 def refuses(case: Case) -> Refusal | None:
@@ -58,7 +52,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
         add_load(system, body, load)
     line, circle, own = as_line(case.track), as_circle(case.track), disc_circle(case)
     radius = own.radius
-    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*own.centre.tolist(), 0.0]))
+    disc = marker(system, body, *own.centre.tolist())
     if line:
         # Tangential along the axis, tangential along the track, normal.
         axes = [0, 1, 1] if case.effect(PerfectlyRough) else [0, 0, 1]
@@ -82,8 +76,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     kind = exu.OutputVariableType.Coordinates_tt
     acceleration = system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
     system.Assemble()
-
-    return ExudynSystem(container, system, motion, acceleration, lambda data: _read(case, data))
+    return ExudynSystem(container, system, (motion,), (acceleration,), lambda data: _read(case, data))
 
 
 def _read(case: Case, data: SensorData) -> ExudynContact:

@@ -1,4 +1,4 @@
-"""Exudyn's contact objects of a sphere with a straight line or a circle, and their law.
+"""Exudyn's contact objects of a sphere with a straight line, a circle or another sphere, and their law.
 
 A round plate is a sphere of its radius. A corner is a small sphere about it, and the surface lies behind its curve by
 the sphere's radius, so that the sphere touches the surface exactly where the corner touches the curve. Its friction
@@ -7,7 +7,7 @@ acts on the sphere's rim: at a corner that turns without slipping the sphere rol
 
 from __future__ import annotations
 
-from math import e, hypot, sqrt
+from math import e, sqrt
 from typing import Any, NamedTuple
 
 import exudyn as exu
@@ -19,13 +19,14 @@ from cases.contact import belt_speed, start_motion
 from cases.curves.corner import Corner
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.mechanics import gravity
+from cases.scene.free_plates import plates_of
 
 from ..common import facets
 from ..common.flights import BEYOND, Follower
 from ..interface import Refusal, Setting
 from . import constraints, older_versions
-from .bodies import surface
-from .system import ExudynContact, SensorData, critical_damping, friction_coefficient, scales
+from .bodies import marker, surface
+from .system import ExudynContact, HasEffects, SensorData, critical_damping, friction_coefficient, scales
 
 # An impact slower than this (m/s) is damped as if it had this speed, so that lasting contact comes to rest.
 SLOWEST_IMPACT = 1e-2
@@ -46,10 +47,10 @@ def refuses_curve(curve: Curve) -> Refusal | None:
     )
 
 
-def refuses_belt(case: Case) -> Refusal | None:
-    """The reason why this adapter has no body for a case's belt, or None."""
-    belt = case.effect(Belt)
-    if belt is None or (belt.constant is not None and not constraints.suits(case)):
+def refuses_belt(acting: HasEffects) -> Refusal | None:
+    """The reason why this adapter has no body for a belt, or None."""
+    belt = acting.effect(Belt)
+    if belt is None or (belt.constant is not None and not constraints.suits(acting)):
         return None
     return Refusal("A running surface is a heavy body here, for a constant speed and Coulomb's friction only.")
 
@@ -68,6 +69,19 @@ class Sphere(NamedTuple):
         return np.column_stack([c * self.u - s * self.v, s * self.u + c * self.v])
 
 
+class SphereContact(NamedTuple):
+    """A contact of a sphere of the plate `body` with a line or a circle or, if there is none, with the round plate
+    `base`: what acts there, and gap (m) and slip (m/s) of the start."""
+
+    acting: HasEffects
+    body: int
+    sphere: Sphere
+    curve: Curve | None
+    base: int | None = None
+    gap: float = 0.0
+    slip: float = 0.0
+
+
 def sphere_of(feature: Any, case: Case, setting: Setting) -> Sphere:
     """The sphere of a circle or a corner of the plate of a case, its scales those of the whole plate."""
     if isinstance(feature, Corner):
@@ -82,7 +96,8 @@ def sphere_of(feature: Any, case: Case, setting: Setting) -> Sphere:
 def corner_radius(case: Case, setting: Setting) -> float:
     """The radius (m) of the spheres at a plate's corners: the depth of the impact of a fall from the start."""
     start, (length, acceleration) = start_motion(case), scales(case)
-    height = min(_height(support, start.x, start.y) for support in (case.track, *(s.curve for s in case.supports)))
+    place = np.array([[start.x, start.y]])
+    height = min(abs(distance_from(curve, place)[1][0]) for curve in (case.track, *(s.curve for s in case.supports)))
     pull = max(acceleration, float(np.hypot(*gravity(case))))
     speed = sqrt(start.vx**2 + start.vy**2 + (start.omega * length) ** 2 + 2.0 * pull * (length + height))
     impact = case.effect(Impact)
@@ -90,32 +105,42 @@ def corner_radius(case: Case, setting: Setting) -> float:
     return depth * speed * sqrt(case.plate.mass / setting["k"])
 
 
-def _height(curve: Curve, x: float, y: float) -> float:
-    """The distance of a point from a line or a circle, m."""
-    line, circle = as_line(curve), as_circle(curve)
-    if line:
-        return abs(float(line.direction[0] * (y - line.point[1]) - line.direction[1] * (x - line.point[0])))
+def distance_from(curve: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The normal of a line or a circle towards the plate next to places (n, 2), of that shape, and their distance in
+    its direction (n,), m."""
+    if line := as_line(curve):
+        normal = np.array([-line.direction[1], line.direction[0]])
+        return np.broadcast_to(normal, place.shape), (place - line.point) @ normal
+    circle = as_circle(curve)
     assert circle is not None, "checked by `refuses`"
-    return abs(hypot(x - circle.centre[0], y - circle.centre[1]) - circle.radius)
+    side, away = -1.0 if circle.left else 1.0, place - circle.centre
+    distance = np.hypot(away[:, 0], away[:, 1])
+    return side * away / distance[:, None], side * (distance - circle.radius)
 
 
-def add_contact(
-    case: Case, setting: Setting, system, body: int, sphere: Sphere, curve: Curve, law: dict, whole: Case
-) -> int:
-    """Add the contact of a sphere of a body with a line or a circle, with the belt of `case`; returns its number.
-    `whole`: the case whose plates move on the surface."""
-    plate = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[sphere.u, sphere.v, 0.0]))
-    markers = [plate, surface(system, curve, case)]
+def add_contact(contact: SphereContact, setting: Setting, system, bodies: list[int], whole: Case) -> int:
+    """Add a contact between bodies of the plates of the whole case, with its law; returns its number."""
+    acting, curve, sphere, masses = contact.acting, contact.curve, contact.sphere, [p.mass for p in plates_of(whole)]
+    moved, own = masses[contact.body], marker(system, bodies[contact.body], sphere.u, sphere.v)
+    if curve is None:
+        assert contact.base is not None
+        moved = moved * masses[contact.base] / (moved + masses[contact.base])
+        radii = [sphere.radius, plates_of(whole)[contact.base].reach]
+        kind: Any = item.ObjectContactSphereSphere
+        parts: dict = dict(markerNumbers=[own, marker(system, bodies[contact.base])], spheresRadii=radii)
+        return int(system.AddObject(kind(**parts, **_law(contact, setting, system, moved))))
+    markers = [own, surface(system, curve, acting, masses[0])]
+    law = _law(contact, setting, system, moved)
     if line := as_line(curve):
         ends = facets.ends(whole, line)
         middle = 0.5 * (ends[0] + ends[1])
-        if case.effect(Load) or case.effect(Belt):
+        if acting.effect(Load) or acting.effect(Belt):
             ends = middle + FAR * (ends - middle)
         down = sphere.behind * np.array([-line.direction[1], line.direction[0]])
-        kind: Any = item.ObjectContactSphereTriangle(
+        kind = item.ObjectContactSphereTriangle(
             markerNumbers=markers,
             **older_versions.sphere_radius(sphere.radius),
-            trianglePoints=exu.Vector3DList(triangle_between(*(ends - down))),  # type: ignore[call-arg]
+            trianglePoints=exu.Vector3DList(_triangle_between(*(ends - down))),  # type: ignore[call-arg]
             includeEdges=0,
             **law,
         )
@@ -129,42 +154,42 @@ def add_contact(
     return int(system.AddObject(kind))
 
 
-def triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
+def _triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
     """A triangle across the plane of motion with a side along the line between two points."""
     reach, (x, y) = 0.5 * float(np.hypot(*(other - one))), 0.5 * (one + other)
     return [[*one.tolist(), -reach], [*other.tolist(), -reach], [float(x), float(y), 2.0 * reach]]
 
 
-def contact_law(case: Case, setting: Setting, system, mass: float, gap: float = 0.0, slip: float = 0.0) -> dict:
+def _law(contact: SphereContact, setting: Setting, system, mass: float) -> dict:
     """Parameters that both contact objects share. Their data node holds gap (m) and slip (m/s) of the last iteration;
     `mass` (kg) is what moves on the contact's spring."""
-    data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
-    impact = case.effect(Impact)
+    data = item.NodeGenericData(initialCoordinates=[contact.gap, contact.slip, 0.0, 0.0], numberOfDataCoordinates=4)
+    impact = contact.acting.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(mass, setting))
     if impact and impact.restitution > 0.0:
         # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution is met to a thousandth.
         law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)
     return dict(
         nodeNumber=system.AddNode(data),
-        dynamicFriction=friction_coefficient(case),
+        dynamicFriction=friction_coefficient(contact.acting),
         frictionProportionalZone=setting["vreg"],
         contactStiffness=setting["k"],
         **law,
     )
 
 
-def read_contact(case: Case, data: SensorData, velocity, normal, gap, arm) -> ExudynContact:
-    """Slip and forces along the track's tangent and normal, from the velocity of the disc's centre.
-
-    `arm`: the distance from the centre to the point where friction acts, m.
-    """
-    pose, force = data.pose, data.force
-    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
-    slip = np.sum(velocity * tangent, axis=1) + data.velocity[:, 2] * arm - belt_speed(case, data.t)
-    normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
+def read_contact(case: Case, data: SensorData, sphere: Sphere, share: float) -> ExudynContact:
+    """Gap, slip and forces of a sphere on the case's track; friction acts at this share of the overlap, from the
+    sphere: with the nominal radius the slip would be biased."""
+    arm, omega = sphere.centre(data.pose), data.velocity[:, 2]
+    normal, distance = distance_from(case.track, data.pose[:, :2] + arm)
+    gap, tangent = distance - sphere.radius, np.column_stack([normal[:, 1], -normal[:, 0]])
+    velocity = data.velocity[:, :2] + np.column_stack([-omega * arm[:, 1], omega * arm[:, 0]])
+    slip = np.sum(velocity * tangent, axis=1) + omega * (sphere.radius + share * gap) - belt_speed(case, data.t)
+    normal_force, friction_force = (np.sum(data.force[:, :2] * along, axis=1) for along in (normal, tangent))
     follower, parameters, failure = Follower(case), [], None
     try:
-        for row in pose.tolist():
+        for row in data.pose.tolist():
             parameters.append(follower(*row)[:2])
     except BEYOND as problem:
         failure = str(problem)

@@ -221,7 +221,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     steps_until(case, setting, system, law.slip_at(system))
     motion = node_sensors(system, node)
     system.Assemble()
-    return ExudynSystem(container, system, motion, None, law.follow)
+    return ExudynSystem(container, system, (motion,), contact=law.follow)
 
 
 def steps_until(case: Case, setting: Setting, system, slip: Callable[[Any], float]) -> None:

@@ -1,32 +1,60 @@
-"""Exudyn's own smooth contacts between a round plate and a circle or a straight line."""
+"""Exudyn's own contacts of spheres: any number of plates, each with a contact object for every pair that may touch.
+
+A round plate on one line or circle starts in equilibrium with its contact, which is read with the engine's own lever.
+All other contacts, of several plates, of supports and of corners, follow from poses and forces
+(`common.feature_contacts`). Every contact has a law of its own.
+"""
 
 from __future__ import annotations
 
-from math import hypot
+from dataclasses import replace
+from math import hypot, pi, sqrt
 
 import exudyn as exu
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Load, Unilateral
+from cases import Case, CoulombFriction, Curve, Gravity, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
-from cases.curves.line_or_circle import Circle, Line, as_circle, as_line
+from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import pairs
+from cases.scene.free_plates import gap_of, plate_contacts, plates_of
 
+from ..common import feature_contacts
 from ..common.facets import round_plate
+from ..common.starts import starts_of
 from ..interface import Refusal, Setting
-from . import constraints, older_versions, rolls, supports
+from . import constraints, older_versions, rolls
 from .bodies import add_load, add_plate, force_sensor, node_sensors
-from .contacts import Sphere, add_contact, contact_law, read_contact, refuses_belt, refuses_curve, sphere_of
-from .system import ExudynContact, ExudynSystem, SensorData, disc_circle, static_start
+from .contacts import (
+    Sphere,
+    SphereContact,
+    add_contact,
+    corner_radius,
+    distance_from,
+    read_contact,
+    refuses_belt,
+    refuses_curve,
+    sphere_of,
+)
+from .system import ExudynSystem, HasEffects, clear_gap, static_start
+
+# An impact takes some periods of the spring.
+IMPACT_PERIODS = 2.0
+
+
+def has_several(case: Case) -> bool:
+    """Whether the case may have several contacts, which follow from poses and forces."""
+    return bool(case.others) or touches_by_features(case)
 
 
 def refuses(case: Case) -> Refusal | None:
     """The reason, in one sentence, why no object of the engine models the case's shapes, or None."""
     friction = case.effect(CoulombFriction)
-    if friction and friction.by_speed:
+    if friction and friction.by_speed and not case.others:
         return rolls.refuses(case)
-    if touches_by_features(case):
-        return supports.refuses(case)
+    if has_several(case):
+        return _refuses_several(case)
     if round_plate(case) is None:
         return Refusal(
             "Exudyn has smooth rolling contact for discs only, and this adapter has no spheres for another outline."
@@ -42,61 +70,116 @@ def refuses(case: Case) -> Refusal | None:
     return older_versions.contact_object("ObjectContactSphere" + ("Triangle" if as_line(case.track) else "Sphere"))
 
 
+def _refuses_several(case: Case) -> Refusal | None:
+    if not case.others and (why := feature_contacts.refuses(case, with_curves=True)):
+        return Refusal(why)
+    every: list[tuple[str, Curve | None, HasEffects]] = (
+        [(one.name, one.curve, one) for one in plate_contacts(case)]
+        if case.others
+        else [(pair.support, pair.track, pair) for pair in pairs(case)]
+    )
+    for name, curve, acting in every:
+        if curve is not None and (problem := refuses_curve(curve) or refuses_belt(acting)):
+            return problem
+        if curve is not None and as_circle(curve) and not curve.period:
+            return Refusal(f"A circle is closed here, and the support {name!r} has ends.")
+        friction = acting.effect(CoulombFriction)
+        if acting.effect(PerfectlyRough):
+            return Refusal(
+                "Exudyn has no perfectly rough contact for a plate that may fly; its rolling joint never opens.",
+                "ObjectJointRollingDisc is a constraint",
+            )
+        if friction and (friction.by_speed or friction.stick != friction.mu):
+            return Refusal(
+                "Exudyn's contacts have one friction coefficient, for slip and stick and all slip velocities.",
+                "dynamicFriction of ObjectContactSphereSphere and ObjectContactSphereTriangle",
+            )
+    names = ("ObjectContactSphereSphere", "ObjectContactSphereTriangle")
+    return next(filter(None, map(older_versions.contact_object, names)), None)
+
+
 def build(case: Case, setting: Setting) -> ExudynSystem:
-    """A round plate in the plane, its gravity and load, and the contact object that fits the track."""
+    """All plates at the case's start, with gravity and load, and all contact objects."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    line, circle = as_line(case.track), as_circle(case.track)
-    # On a line friction acts on the track; on a circle in the middle of the overlap.
-    start = static_start(case, setting, depth=1.0 if line else 0.5)
-    node, body = add_plate(system, case.plate, start, case.effect(Gravity))
+    starts, contacts = starts_of(case), _contacts(case, setting)
+    if not has_several(case):
+        # On a line friction acts on the track; on a circle in the middle of the overlap.
+        share = 1.0 if as_line(case.track) else 0.5
+        starts = np.array([static_start(case, setting, depth=share)[:6]])
+    pull = case.effect(Gravity)
+    plates = [add_plate(system, *each, pull) for each in zip(plates_of(case), starts.tolist(), strict=True)]
+    nodes, bodies = zip(*plates, strict=True)
     if load := case.effect(Load):
-        add_load(system, body, load)
-    sphere = sphere_of(case.plate.outline, case, setting)
-    law = _law_at_start(case, setting, system)
-    force = force_sensor(system, add_contact(case, setting, system, body, sphere, case.track, law, case))
-    motion = node_sensors(system, node)
+        add_load(system, bodies[0], load)
+    forces = tuple(force_sensor(system, add_contact(contact, setting, system, [*bodies], case)) for contact in contacts)
+    built = ExudynSystem(container, system, tuple(node_sensors(system, node) for node in nodes), forces)
     system.Assemble()
-    if line:
-        return ExudynSystem(container, system, motion, force, lambda data: _on_line(case, data, line))
-    assert circle is not None, "refuses() accepts only lines and circles"
-    return ExudynSystem(container, system, motion, force, lambda data: _on_circle(case, data, circle))
+    if has_several(case):
+        return built
+    return replace(built, contact=lambda data: read_contact(case, data, contacts[0].sphere, share))
 
 
-def _on_circle(case: Case, data: SensorData, circle: Circle) -> ExudynContact:
-    centre, velocity = _of_disc(case, data)
-    away = centre - circle.centre
-    distance = np.hypot(away[:, 0], away[:, 1])
-    side, radius = -1.0 if circle.left else 1.0, disc_circle(case).radius
-    gap = side * (distance - circle.radius) - radius
-    # The engine's friction acts in the middle of the overlap; with the nominal radius the slip would be biased.
-    normal, arm = side * away / distance[:, None], radius + 0.5 * gap
-    return read_contact(case, data, velocity, normal, gap, arm)
-
-
-def _on_line(case: Case, data: SensorData, line: Line) -> ExudynContact:
-    centre, velocity = _of_disc(case, data)
-    radius, normal = disc_circle(case).radius, np.array([-line.direction[1], line.direction[0]])
-    gap = (centre - line.point) @ normal - radius
-    # The engine's friction acts on the triangle's plane.
-    return read_contact(case, data, velocity, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
-
-
-def _law_at_start(case: Case, setting: Setting, system) -> dict:
-    """The law of the plate's contact; its data node begins with the start's gap and slip.
-
-    Without an initial gap the plate would fall for a step before the contact acts; without an initial slip, friction
-    would begin on the steep branch of its law, with a thousand times its bound.
-    """
+def _contacts(case: Case, setting: Setting) -> list[SphereContact]:
+    """All contacts that the plates of a case may have."""
+    if case.others:
+        poses = starts_of(case)
+        return [
+            SphereContact(
+                one, one.body, Sphere(one.circle.x, one.circle.y, one.circle.radius), one.curve, one.base,
+                gap_of(one, poses),
+            )
+            for one in plate_contacts(case)
+        ]  # fmt: skip
+    if touches_by_features(case):
+        return [
+            SphereContact(pair, 0, sphere_of(pair.plate.outline, case, setting), pair.track) for pair in pairs(case)
+        ]
+    # Without an initial gap the plate would fall for a step before the contact acts; without an initial slip, friction
+    # would begin on the steep branch of its law, with a thousand times its bound.
     touching, at_rest = start_motion(case), static_start(case, setting, depth=0.0)
     gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y)
     slip = hypot(at_rest.vx - touching.vx, at_rest.vy - touching.vy) or abs(touching.slip) if gap else 0.0
-    return contact_law(case, setting, system, case.plate.mass, gap, slip)
+    sphere = sphere_of(case.plate.outline, case, setting)
+    return [SphereContact(case, 0, sphere, case.track, gap=gap, slip=slip)]
 
 
-def _of_disc(case: Case, data: SensorData) -> tuple[np.ndarray, np.ndarray]:
-    """Position (m) and velocity (m/s) of the circle's centre along a run, each of shape (n, 2)."""
-    (u, v), omega = disc_circle(case).centre.tolist(), data.velocity[:, 2]
-    ax, ay = Sphere(u, v, 0.0).centre(data.pose).T
-    spin_velocity = np.column_stack([-omega * ay, omega * ax])
-    return data.pose[:, :2] + np.column_stack([ax, ay]), data.velocity[:, :2] + spin_velocity
+def read(case: Case, setting: Setting, system: ExudynSystem) -> Trajectory:
+    """The motion of all plates with several contacts. Raises EngineFailure for numbers that are not finite."""
+    tables = [system.tables(motion) for motion in system.motions]
+    poses, rates = (np.stack([motion[kind][:, 1:4] for motion in tables], axis=1) for kind in (0, 1))
+    creep, plates = float(setting["vreg"]), plates_of(case)
+    # A corner's friction acts on the rim of its sphere.
+    contacts = _contacts(case, setting)
+    if any(contact.sphere.behind for contact in contacts):
+        creep += corner_radius(case, setting) * float(np.abs(rates[..., 2]).max())
+    impact = IMPACT_PERIODS * 2.0 * pi * sqrt(max(plate.mass for plate in plates) / setting["k"])
+    motion = feature_contacts.with_plates(
+        case, tables[0][0][:, 0], poses, rates, clear_gap(case, setting), _torsor(case, contacts, system, poses),
+        slip_lever=0.5, impact=impact if case.others else 0.0,
+    )  # fmt: skip
+    return replace(motion, slip_resolution=creep)
+
+
+def _torsor(case: Case, contacts: list[SphereContact], system: ExudynSystem, poses: np.ndarray) -> np.ndarray:
+    """Force (N) and moment (N m) of all contacts on each plate, like `poses`, at the spheres' rims. The sensors have
+    the force on the plate that a contact names first."""
+    result, plates = np.zeros_like(poses), plates_of(case)
+    for contact, table in zip(contacts, system.tables(system.forces), strict=True):
+        force, arm = table[:, 1:3], contact.sphere.centre(poses[:, contact.body])
+        places = poses[:, contact.body, :2] + arm
+        if contact.base is None:
+            assert contact.curve is not None
+            normal, _ = distance_from(contact.curve, places)
+        else:
+            away = places - poses[:, contact.base, :2]
+            normal = away / np.hypot(*away.T)[:, None]
+            _add(result, contact.base, plates[contact.base].reach * normal, -force)
+        _add(result, contact.body, arm - contact.sphere.radius * normal, force)
+    return result * [[1.0, 1.0, float(plate.turns)] for plate in plates]
+
+
+def _add(torsor: np.ndarray, plate: int, lever: np.ndarray, force: np.ndarray) -> None:
+    """Add forces (n, 2) at levers (n, 2) to the forces and moments of a plate."""
+    torsor[:, plate, :2] += force
+    torsor[:, plate, 2] += lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]

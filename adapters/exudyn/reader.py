@@ -10,15 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
-from cases.contact import start_motion
 
 from ..common.driven_tracks import to_fixed_frame
 from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
 from ..interface import EngineFailure, Setting
-from . import free_plates, supports
-from .free_plates import PlatesSystem
-from .supports import SupportsSystem
-from .system import ExudynContact, ExudynSystem, SensorData, planar_data, rough_friction, scales
+from . import native
+from .system import ExudynContact, ExudynSystem, clear_gap, rough_friction
 
 # Columns of the normal and the friction force in a row of a trajectory; and all columns that only a contact has.
 _FORCES, _TOUCH = slice(8, 10), slice(7, 12)
@@ -32,7 +29,7 @@ class ExudynModel:
     case: Case
     route: str
     setting: Setting
-    system: ExudynSystem | PlatesSystem | SupportsSystem
+    system: ExudynSystem
     outside: Case
     cost: Cost = Cost()
     failure: str | None = None
@@ -40,44 +37,36 @@ class ExudynModel:
 
 def read(model: ExudynModel) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
-    if isinstance(model.system, PlatesSystem):
-        return free_plates.read(model.case, model.setting, model.system, model.cost, model.failure)
-    if isinstance(model.system, SupportsSystem):
-        return _on_supports(model, model.system)
-    data = model.system.in_plane(_sensor_data(model.system, model.system.force))
-    t, contact = data.t, model.system.contact(data)
+    motion = _with_one_contact(model) if model.system.contact else native.read(model.case, model.setting, model.system)
+    if model.failure and motion.status == Trajectory.status:
+        raise EngineFailure(f"Exudyn stopped at {motion.t[-1]:.4g} s: {model.failure}.")
+    return to_fixed_frame(model.outside, replace(motion, cost=model.cost))
+
+
+def _with_one_contact(model: ExudynModel) -> Trajectory:
+    assert model.system.contact is not None
+    data = model.system.data()
+    contact = model.system.contact(data)
     count = len(contact.gap)
     rows = np.column_stack(
-        [t[:count], data.pose[:count], data.velocity[:count]]
+        [data.t[:count], data.pose[:count], data.velocity[:count]]
         + [contact.slip, contact.normal_force, contact.friction_force, contact.xi1, contact.xi2]
     )
     stretches = _flown(model.case, model.setting, contact)
     end = first_ending(model.case, model.setting, rows[:, 0], contact, stretches)
-    if end is None and model.failure:
-        raise EngineFailure(f"Exudyn stopped at {t[-1]:.4g} s: {model.failure}.")
-    if end is None and contact.failure:
+    if end is None and contact.failure and not model.failure:
         raise EngineFailure(f"Exudyn's plate lost its track: {contact.failure}.")
     if model.case.effect(Flight):
         rows = _without_contact(model, rows, stretches)
     if end is not None:
         rows = _until(rows, end)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = rows.T
-    motion = Trajectory(
+    return Trajectory(
         *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
         status=Trajectory.status if end is None else end.status,
         reason=Trajectory.reason if end is None else end.reason,
-        cost=model.cost,
         slip_resolution=_creep(model.case, model.setting, friction_force),
     )
-    return to_fixed_frame(model.outside, motion)
-
-
-def _on_supports(model: ExudynModel, system: SupportsSystem) -> Trajectory:
-    data = planar_data(_sensor_data(system, None))
-    if model.failure:
-        raise EngineFailure(f"Exudyn stopped at {data.t[-1]:.4g} s: {model.failure}.")
-    motion = supports.read(model.case, model.setting, system, data, clear_gap(model.case, model.setting))
-    return to_fixed_frame(model.outside, replace(motion, cost=model.cost))
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
@@ -86,16 +75,6 @@ def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
     if not case.effect(PerfectlyRough):
         return vreg
     return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
-
-
-def _sensor_data(system: ExudynSystem | SupportsSystem, force_sensor: int | None) -> SensorData:
-    """The run's arrays; raises EngineFailure if they are not finite."""
-    pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
-    force = pose[:, :1] if force_sensor is None else system.system.GetSensorStoredData(force_sensor)
-    # An unstable explicit run ends without an error.
-    if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
-        raise EngineFailure("Exudyn's run diverged: its coordinates are not finite numbers.")
-    return SensorData(pose[:, 0], pose[:, 1:], velocity[:, 1:], force[:, 1:])
 
 
 class MotionEnd(NamedTuple):
@@ -114,19 +93,6 @@ def first_ending(
     endings = [_landing(case, t, contact, stretches) if case.effect(Flight) else lift_off(case, setting, t, contact)]
     endings += [_domain_end("track", case.track, contact.xi1), _domain_end("outline", case.plate.outline, contact.xi2)]
     return min((end for end in endings if end), key=lambda end: end[:2], default=None)
-
-
-def clear_gap(case: Case, setting: Setting) -> float:
-    """A gap (m) that only a plate that has left its track reaches.
-
-    A penalty contact opens for an instant if it starts without its deflection, and by rounding at a release with N = 0.
-    It then rises by about the deflection m a/k, with the acceleration a of gravity and of the track's curvature at the
-    start, or by a h²/2 within a step. A plate with ten times that gap has left its track, at its last contact force.
-    """
-    _, acceleration = scales(case)
-    start = start_motion(case)
-    acceleration += (start.vx**2 + start.vy**2) * abs(float(case.track.curvature(start.xi1)))
-    return 10.0 * acceleration * (case.plate.mass / setting["k"] + 0.5 * setting["h"] ** 2)
 
 
 def _flown(case: Case, setting: Setting, contact: ExudynContact) -> list[tuple[int, int]]:

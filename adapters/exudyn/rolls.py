@@ -24,8 +24,8 @@ from cases.slip_laws import SLIP_SPEED
 from ..interface import Refusal, Setting
 from . import older_versions
 from .bodies import force_sensor, ground, hold_angle, node_sensors
-from .contacts import read_contact
-from .system import ExudynContact, ExudynSystem, SensorData, critical_damping, static_start
+from .contacts import Sphere, read_contact
+from .system import ExudynSystem, SensorData, critical_damping, static_start
 
 
 class StribeckLaw(NamedTuple):
@@ -121,11 +121,13 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
             coefficientsHull=[-1.0 / plate.radius, 0.0, plate.radius],
         )
     )
-    force, motion = force_sensor(system, number), node_sensors(system, node)
+    force, motion, roll = force_sensor(system, number), node_sensors(system, node), Sphere(0.0, 0.0, plate.radius)
     system.Assemble()
+    # The engine's friction acts at the lowest point of the roll.
     return ExudynSystem(
-        container, system, motion, force, lambda data: _read(case, data, line), lambda data: _in_plane(data, line)
-    )
+        container, system, (motion,), (force,), lambda data: read_contact(case, data, roll, 0.0),
+        lambda data: _in_plane(data, line),
+    )  # fmt: skip
 
 
 def _axes(line: Line) -> tuple[np.ndarray, np.ndarray]:
@@ -139,12 +141,3 @@ def _in_plane(data: SensorData, line: Line) -> SensorData:
     pose, velocity = (np.column_stack([table[:, 1:3] @ axes, table[:, 3]]) for table in (data.pose, data.velocity))
     pose[:, :2] += line.point
     return SensorData(data.t, pose, velocity, -data.force[:, 1:3] @ axes)
-
-
-def _read(case: Case, data: SensorData, line: Line) -> ExudynContact:
-    radius, (_, normal) = case.plate.radius, _axes(line)
-    assert radius is not None, "checked by `refuses`"
-    gap = (data.pose[:, :2] - line.point) @ normal - radius
-    # The engine's friction acts at the lowest point of the roll.
-    velocity = data.velocity[:, :2]
-    return read_contact(case, data, velocity, np.broadcast_to(normal, (len(gap), 2)), gap, np.full(len(gap), radius))

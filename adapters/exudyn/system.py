@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import copysign, hypot, isnan, sqrt
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import MotionPoint, belt_speed, start_motion
 from cases.curves.line_or_circle import Circle
+from cases.effects import E
 from cases.motion.mechanics import gravity as gravity_of
+from cases.scene.free_plates import plates_of
 
 from ..common.facets import round_plate
-from ..interface import Setting
+from ..interface import EngineFailure, Setting
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,13 @@ class ExudynContact:
     normal_force: np.ndarray
     friction_force: np.ndarray
     failure: str | None = None
+
+
+class HasEffects(Protocol):
+    """A case, a pair of features, or a contact: the effects that act there."""
+
+    def effect(self, kind: type[E], /) -> E | None:
+        """The effect of that kind, or None."""
 
 
 class SensorData(NamedTuple):
@@ -52,16 +61,30 @@ def planar_data(data: SensorData) -> SensorData:
 class ExudynSystem:
     """An assembled system in the container that owns it.
 
-    `motion`: the sensors of pose and velocity; `force`: the sensor of the contact's forces, if there is one; `contact`:
-    a function that computes the contact from their data; `in_plane`: a function that gives data in the plane of motion.
+    `motions`: the sensors of pose and velocity of each plate; `forces`: the sensor of each contact's force, of a
+    constraint that of the acceleration; `contact`: a function that computes the only contact from their data, None
+    where there may be several; `in_plane`: a function that gives data in the plane of motion.
     """
 
     container: Any
     system: Any
-    motion: tuple[int, int]
-    force: int | None
-    contact: Callable[[SensorData], ExudynContact]
+    motions: tuple[tuple[int, int], ...]
+    forces: tuple[int, ...] = ()
+    contact: Callable[[SensorData], ExudynContact] | None = None
     in_plane: Callable[[SensorData], SensorData] = planar_data
+
+    def tables(self, sensors: Sequence[int]) -> list[np.ndarray]:
+        """What sensors have stored: rows of the time and the values. Raises EngineFailure for what is not finite."""
+        tables = [self.system.GetSensorStoredData(sensor) for sensor in sensors]
+        # An unstable explicit run ends without an error.
+        if not all(np.isfinite(table).all() for table in tables):
+            raise EngineFailure("Exudyn's run diverged: its coordinates are not finite numbers.")
+        return tables
+
+    def data(self) -> SensorData:
+        """The sensor data of the only plate."""
+        pose, velocity, *force = self.tables((*self.motions[0], *self.forces))
+        return self.in_plane(SensorData(pose[:, 0], pose[:, 1:], velocity[:, 1:], (force or [pose[:, :1]])[0][:, 1:]))
 
 
 def disc_circle(case: Case) -> Circle:
@@ -159,9 +182,9 @@ def external_forces(case: Case, data: SensorData) -> np.ndarray:
 NOTHING = 1e-9
 
 
-def friction_coefficient(case: Case) -> float:
+def friction_coefficient(acting: HasEffects) -> float:
     """The friction coefficient mu, at rest if it depends on the slip velocity; zero without friction."""
-    friction = case.effect(CoulombFriction)
+    friction = acting.effect(CoulombFriction)
     return friction.at_rest if friction else 0.0
 
 
@@ -186,3 +209,17 @@ def scales(case: Case) -> tuple[float, float]:
 def rough_friction(case: Case) -> float:
     """The friction (N) at which a perfectly rough contact creeps with vreg: mass times the scale of acceleration."""
     return case.plate.mass * scales(case)[1]
+
+
+def clear_gap(case: Case, setting: Setting) -> float:
+    """A gap (m) that only a plate that has left its track reaches.
+
+    A penalty contact opens for an instant if it starts without its deflection, and by rounding at a release with N = 0.
+    It then rises by about the deflection m a/k, with the acceleration a of gravity and of the track's curvature at the
+    start, or by a h²/2 within a step. A plate with ten times that gap has left its track, at its last contact force.
+    """
+    _, acceleration = scales(case)
+    start = start_motion(case)
+    acceleration += (start.vx**2 + start.vy**2) * abs(float(case.track.curvature(start.xi1)))
+    mass = sum(plate.mass for plate in plates_of(case))
+    return 10.0 * acceleration * (mass / setting["k"] + 0.5 * setting["h"] ** 2)

@@ -31,13 +31,12 @@ from cases import (
     Trajectory,
     Unilateral,
 )
-from cases.contact import start_motion
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
 from ..common import driven_tracks, facets, feature_contacts, half_steps
 from ..interface import EngineFailure, Refusal, Setting
-from . import assisted, free_plates, native, older_versions
+from . import assisted, native, older_versions
 from .load import LoadInSteps
 from .meanings import MEANINGS
 
@@ -183,7 +182,7 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 @dataclass
 class PymunkModel:
-    """One run: the space, its first moving body, the step (s), the number of steps, the recorded rows.
+    """One run: the space, the plates' bodies, the step (s), the number of steps, the recorded rows.
 
     `engine_case` is the case that the engine has: on the assisted route, a driven track's as the track sees it.
     `drive`: its load; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
@@ -193,20 +192,18 @@ class PymunkModel:
     case: Case
     engine_case: Case
     space: pymunk.Space
-    body: pymunk.Body
+    bodies: list[pymunk.Body]
     h: float
     steps: int
     drive: LoadInSteps | None = None
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
-    # The bodies of free plates.
-    others: tuple[pymunk.Body, ...] = ()
     # Functions that record the plates after a step, and that return the rows.
     note: Callable[[], None] = field(init=False)
     rows: Callable[[], np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.note, self.rows = older_versions.recorder(self.space, (self.body, *self.others))
+        self.note, self.rows = older_versions.recorder(self.space, self.bodies)
 
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
@@ -216,25 +213,18 @@ def build(case: Case, route: str, setting: Setting) -> PymunkModel:
 
 def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkModel:
     steps = max(2, round(case.duration / setting["h"]))
-    h, engine_case = case.duration / steps, case if route == "native" else relative_case(case)
-    if case.others:
-        space, (body, *others) = free_plates.build(case, setting, h)
-        return PymunkModel(case, case, space, body, h, steps, others=tuple(others))
-    if route == "native":
-        space, body = native.build(case, setting)
-        native.drive_track(case, space, h)
-        drive = LoadInSteps(case, body, h) if with_load else None
-        rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
-        model = PymunkModel(case, engine_case, space, body, h, steps, drive, rough)
-    else:
+    h = case.duration / steps
+    if route != "native":
+        engine_case = relative_case(case)
         space, body, drive, guide = assisted.build(engine_case, setting, h)
-        model = PymunkModel(case, engine_case, space, body, h, steps, drive, guide=guide)
-    start = start_motion(engine_case)
-    body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
-    body.angle = start.theta - 0.5 * h * start.omega
-    body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
-    if route == "native" and (surfaces := native.surfaces_in_steps(case)):
-        model.note = native.SurfacesInSteps(surfaces, space, body, h).counting(model.note)
+        return PymunkModel(case, engine_case, space, [body], h, steps, drive, guide=guide)
+    space, bodies = native.build(case, setting, h)
+    native.drive_track(case, space, h)
+    drive = LoadInSteps(case, bodies[0], h) if with_load else None
+    rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
+    model = PymunkModel(case, case, space, bodies, h, steps, drive, rough)
+    if surfaces := native.surfaces_in_steps(case):
+        model.note = native.SurfacesInSteps(surfaces, space, h).counting(model.note)
     return model
 
 
@@ -258,10 +248,10 @@ def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable
     """
     has_load = case.effect(Load) is not None
     model = _model(case, route, setting, with_load=has_load and without == "notes")
-    space, body, h, steps = model.space, model.body, model.h, model.steps
+    space, body, h, steps = model.space, model.bodies[0], model.h, model.steps
     if route == "assisted" and without != "notes":
         space, body = assisted.overlapping(case, setting)
-        body.position, space.collision_bias = model.body.position, 1.0
+        body.position, space.collision_bias = model.bodies[0].position, 1.0
     if without == "callback":
         if route == "assisted":
             assisted.listen(space, lambda arbiter, space, data: None)
@@ -287,12 +277,13 @@ def read(model: PymunkModel) -> Trajectory:
         raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
-    if model.case.others:
-        wider = free_plates.wider(model.case, model.space)
-        return half_steps.read(half_steps.StepRecord(model.case, model.h, model.steps, rows, wider=wider))
-    contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
     record = half_steps.StepRecord(
-        model.engine_case, model.h, model.steps, rows[:, 0], contacts, load=load, rough=model.rough
-    )
+        model.engine_case, model.h, model.steps,
+        rows=rows if model.case.others else rows[:, 0],
+        contacts=guide.contacts if guide else None,
+        load=np.array(drive.rows) if drive else None,
+        rough=model.rough,
+        wider=native.wider(model.case, model.space) if model.case.others else 0.0,
+    )  # fmt: skip
     motion = half_steps.read(record)
     return motion if model.engine_case is model.case else driven_tracks.to_fixed_frame(model.case, motion)

@@ -24,7 +24,7 @@ from ..common.flights import BEYOND, Follower
 from ..interface import Setting
 from . import older_versions
 from .load import LoadInSteps, Torsor
-from .native import friction_coefficient
+from .native import friction_coefficient, to_start
 
 # Radius in metres of the overlapping circles: much larger than any track, small enough to lose no digits.
 EVERYWHERE = 1e6
@@ -155,6 +155,7 @@ def iterations(case: Case) -> int:
 def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, LoadInSteps | None, ContactGuide]:
     """Build a space with the plate as a body, the drive of its load, and the guide along its track."""
     space, body = overlapping(case, setting)
+    to_start(case, [body], h)
     drive = LoadInSteps(case, body, h) if case.effect(Load) else None
     guide = ContactGuide(case, body, h, drive)
     listen(space, guide.pre_solve)
@@ -172,7 +173,7 @@ def overlapping(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
     track, plate = pymunk.Circle(space.static_body, EVERYWHERE), pymunk.Circle(body, EVERYWHERE)
     track.collision_type, plate.collision_type = _TRACK, _PLATE
-    track.friction, plate.friction = 1.0, friction_coefficient(case)
+    track.friction, plate.friction = 1.0, friction_coefficient(case.effects)
     space.add(body, track, plate)
     return space, body
 

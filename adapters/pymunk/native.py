@@ -1,6 +1,6 @@
-"""Scenes with pymunk's own shapes on a segment, on a circle, or on a chain of segments.
+"""Scenes with pymunk's own shapes: any number of plates on segments, circles and chains of segments.
 
-The plate is a circle, or a polygon if its outline is closed and nowhere bends inwards. Any other plate has one segment
+A plate is a circle, or a polygon if its outline is closed and nowhere bends inwards. Any other plate has one segment
 per facet of its outline: one for a straight edge.
 
 On a hill the contact acts in single steps. A push leaves the velocity along the tangent, the gap grows in the next
@@ -19,18 +19,21 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import count, pairwise, product
+from math import sqrt
 
 import numpy as np
 import pymunk
 from pymunk import Vec2d
 
-from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
-from cases.curves.line_or_circle import Circle, Line, as_circle, as_line
+from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough, Plate
+from cases.contact.polygon_features import circles, is_polygon
+from cases.curves.line_or_circle import Line, as_circle, as_line
 from cases.effects import Effect, one
 from cases.motion.mechanics import gravity
+from cases.scene.free_plates import plates_of
 
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import (
@@ -47,6 +50,7 @@ from ..common.facets import (
     support_chain,
     track_kind,
 )
+from ..common.starts import starts_of
 from ..interface import Setting
 from . import older_versions
 
@@ -54,17 +58,17 @@ from . import older_versions
 KNOBS = ("collision_slop", "collision_bias", "iterations")
 
 
-# The engine's collision types; the further supports have those from the third on.
-_TRACK, _PLATE, _SUPPORT = 1, 2, 3
+# The engine's collision types; the further supports have those after the track's.
+_PLATE, _TRACK = 1, 2
 
 # A coefficient that no contact here needs: a millionth of a newton would hold a plate of a tonne on a wall.
 ROUGH = 1e9
 
 
-def friction_coefficient(case: Case) -> float:
+def friction_coefficient(effects: Sequence[Effect]) -> float:
     """The coefficient of both shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
-    friction = case.effect(CoulombFriction)
-    return ROUGH if case.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
+    friction = one(effects, CoulombFriction)
+    return ROUGH if one(effects, PerfectlyRough) else friction.at_rest if friction else 0.0
 
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
@@ -150,66 +154,98 @@ def _tightest_hill(case: Case) -> float:
 _MOST_FACETS = 1_000_000
 
 
-def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
-    """A space with the track as static shapes and the plate at the case's start, gravity and friction included."""
+def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[pymunk.Body]]:
+    """A space with the track and supports as static shapes and all plates at the case's start, moved back by half a
+    step of `h` (s), gravity and friction included; the plates' bodies in their order."""
     space = pymunk.Space()
     gx, gy = gravity(case)
     space.gravity = float(gx), float(gy)
     for knob in KNOBS:
         if knob in setting:
             setattr(space, knob, setting[knob])
-    body = pymunk.Body(case.plate.mass, case.plate.inertia)
-    plate = _plate_shapes(case, body, setting)
+    # The engine multiplies the two shapes' coefficients. Those of several plates act between them, too.
+    of_plates = [sqrt(whole) if case.others else 1.0 for whole in _coefficients(case.effects)]
+    bodies, shapes = list[pymunk.Body](), list[pymunk.Shape]()
+    for plate in plates_of(case):
+        body = pymunk.Body(plate.mass, plate.inertia)
+        bodies.append(body)
+        for shape in _plate_shapes(plate, body, setting, wider(case, space) if case.others else 0.0):
+            shape.friction, shape.elasticity = of_plates
+            shape.collision_type = _PLATE
+            shapes.append(shape)
     track = pymunk.Body(body_type=pymunk.Body.KINEMATIC) if case.effect(Drive) else space.static_body
-    shapes = _track_shapes(case, space, track, setting)
-    impact = case.effect(Impact)
-    for shape in plate:
-        shape.friction = 1.0 if case.supports else friction_coefficient(case)
-        shape.elasticity = impact.restitution if impact else 0.0
-    for shape in shapes:
-        # The engine multiplies the two shapes' coefficients.
-        shape.friction = friction_coefficient(case) if case.supports else 1.0
-        shape.elasticity = 1.0
-    belt = case.effect(Belt)
-    if belt and belt_runs_as_shapes(case):
-        _run_surface(shapes, belt.constant or 0.0)
-    shapes += _supports(case, space, track, setting)
-    # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
-    random.Random(0).shuffle(shapes)
-    space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
-    return space, body
-
-
-def _supports(case: Case, space: pymunk.Space, track: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
-    """The shapes of the further supports on the body of the track, each with its friction and its restitution as a
-    multiple of the case's."""
-    every, whole = list[pymunk.Shape](), case.effect(Impact)
-    for number, support in enumerate(case.supports, start=_SUPPORT):
-        own = replace(case, effects=support.acting(case.effects), supports=())
-        shapes = _support_shapes(case, space, track, support.curve, setting)
-        impact, belt = own.effect(Impact), own.effect(Belt)
-        for shape in shapes:
-            shape.friction, shape.elasticity = friction_coefficient(own), 1.0
-            if impact and whole and whole.restitution > 0.0:
-                shape.elasticity = impact.restitution / whole.restitution
+    fixed = list[pymunk.Shape]()
+    for number, (curve, effects) in enumerate(_surfaces(case), start=_TRACK):
+        some, coefficients = _fixed_shapes(case, space, track, curve, setting), _coefficients(effects)
+        for shape in some:
+            shape.friction, shape.elasticity = (
+                whole / of_plate if of_plate else 0.0 for whole, of_plate in zip(coefficients, of_plates, strict=True)
+            )
             shape.collision_type = number
-        if belt and _runs_evenly(own.effects):
-            _run_surface(shapes, belt.constant or 0.0)
-        every += shapes
-    return every
+        if case.others and coefficients != _coefficients(case.effects):
+            older_versions.on_collision(space, number, _PLATE, _Coefficients(*coefficients))
+        belt = one(effects, Belt)
+        if belt and (belt_runs_as_shapes(case) if number == _TRACK else _runs_evenly(effects)):
+            _run_surface(some, belt.constant or 0.0)
+        fixed += some
+    # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
+    random.Random(0).shuffle(fixed)
+    if case.others:  # the engine solves contacts in the order in which it finds those of the shapes that are added
+        to_start(case, bodies, h)
+    space.add(*bodies, *([track] if case.effect(Drive) else []), *fixed, *shapes)
+    to_start(case, bodies, h)
+    return space, bodies
 
 
-def _support_shapes(
-    case: Case, space: pymunk.Space, track: pymunk.Body, curve: Curve, setting: Setting
+def to_start(case: Case, bodies: Sequence[pymunk.Body], h: float) -> None:
+    """Put the plates' bodies at the case's start, moved back by half a step of `h` (s)."""
+    for body, (x, y, theta, vx, vy, omega) in zip(bodies, starts_of(case).tolist(), strict=True):
+        body.position, body.angle = (x - 0.5 * h * vx, y - 0.5 * h * vy), theta - 0.5 * h * omega
+        body.velocity, body.angular_velocity = (vx, vy), omega
+
+
+def _surfaces(case: Case) -> list[tuple[Curve, Sequence[Effect]]]:
+    """The track and the further supports with the effects there; their order gives the collision types."""
+    return [(case.track, case.effects), *((s.curve, s.acting(case.effects)) for s in case.supports)]
+
+
+def _coefficients(effects: Sequence[Effect]) -> tuple[float, float]:
+    """Friction and restitution of a contact where these effects act."""
+    impact = one(effects, Impact)
+    return friction_coefficient(effects), impact.restitution if impact else 0.0
+
+
+class _Coefficients:
+    """Sets friction and restitution of the contacts of several plates with a support of its own effects."""
+
+    def __init__(self, mu: float, restitution: float):
+        self._mu, self._restitution = mu, restitution
+
+    def __call__(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+        arbiter.friction, arbiter.restitution = self._mu, self._restitution
+
+
+def _fixed_shapes(
+    case: Case, space: pymunk.Space, body: pymunk.Body, curve: Curve, setting: Setting
 ) -> Sequence[pymunk.Shape]:
-    """A support as one segment, a circle, or a chain of segments."""
+    """The track or a support as one segment, a circle, or a chain of segments."""
     line, circle = as_line(curve), as_circle(curve)
     if line:
-        return [line_segment(case, space, track, line, setting["thickness"], ends(case, line))]
+        part = None if case.supports or case.others else stretch(case)
+        reach = ends(case, line) if part is None else np.array([curve.point(s) for s in (part.low, part.high)])
+        return [_line_segment(case, space, body, line, setting["thickness"], reach)]
     if circle and is_round_hill(curve):
-        return [_track_circle(track, circle)]
-    corners = support_chain(case, curve, int(setting["facets"]), behind=setting["thickness"])
-    return _segments(track, corners, curve.period is not None, setting)
+        x, y = circle.centre
+        return [pymunk.Circle(body, circle.radius, (float(x), float(y)))]
+    facets, thickness = setting["facets"], setting["thickness"]
+    if facets > _MOST_FACETS:
+        raise NotSupported(
+            f"At this step the track needs {facets:,} facets, and a million take more than a gigabyte of memory; "
+            "give a coarser setting."
+        )
+    if curve is case.track:
+        return _segments(body, chain(case, facets, behind=thickness), stretch(case).closed, setting)
+    return _segments(body, support_chain(case, curve, facets, behind=thickness), curve.period is not None, setting)
 
 
 def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
@@ -254,11 +290,10 @@ class StepSurface:
 
 def surfaces_in_steps(case: Case) -> dict[int, StepSurface]:
     """The curves whose belt or friction is set in each step, by the collision type of their shapes."""
-    whole = None if belt_runs_as_shapes(case) else case.effect(Belt)
-    surfaces = {_TRACK: StepSurface(whole, _coefficient(case.effects))}
-    for number, support in enumerate(case.supports, start=_SUPPORT):
-        effects = support.acting(case.effects)
-        surfaces[number] = StepSurface(None if _runs_evenly(effects) else one(effects, Belt), _coefficient(effects))
+    surfaces = {}
+    for number, (_, effects) in enumerate(_surfaces(case), start=_TRACK):
+        is_shapes = belt_runs_as_shapes(case) if number == _TRACK else _runs_evenly(effects)
+        surfaces[number] = StepSurface(None if is_shapes else one(effects, Belt), _coefficient(effects))
     return {number: each for number, each in surfaces.items() if each.belt or each.coefficient}
 
 
@@ -272,12 +307,10 @@ class SurfacesInSteps:
     friction by the slip speed as the friction of each contact, by its slip in the middle of the step's change of
     velocity, as predicted from the step before."""
 
-    def __init__(self, surfaces: dict[int, StepSurface], space: pymunk.Space, plate: pymunk.Body, h: float):
+    def __init__(self, surfaces: dict[int, StepSurface], space: pymunk.Space, h: float):
         self._h, self._step = h, 0
         self._velocities = {body: _velocities(body) for body in space.bodies}
         self._changes = {body: (Vec2d(0.0, 0.0), 0.0) for body in space.bodies}
-        for shape in space.shapes:
-            shape.collision_type = shape.collision_type or (_PLATE if shape.body is plate else _TRACK)
         for number, surface in surfaces.items():
             older_versions.on_collision(space, number, _PLATE, partial(self._pre_solve, surface))
 
@@ -328,15 +361,19 @@ def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
         shape.surface_velocity = (shape.b - shape.a).normalized() * speed
 
 
-def _plate_shapes(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
-    circle, outline = round_plate(case), case.plate.outline
+def _plate_shapes(plate: Plate, body: pymunk.Body, setting: Setting, more: float) -> list[pymunk.Shape]:
+    """A plate's shapes; the radius of a disc is larger by `more` (m)."""
+    outline = plate.outline
+    circle = as_circle(outline) if outline.period else None
     if circle:
         x, y = circle.centre
-        return [pymunk.Circle(body, circle.radius, (float(x), float(y)))]
+        return [pymunk.Circle(body, circle.radius + more, (float(x), float(y)))]
+    if "vertices" not in setting and is_polygon(plate):
+        return [pymunk.Poly(body, [(corner.x, corner.y) for corner in circles(plate)])]
     if is_convex(outline):
         corners = polygon(outline, setting["vertices"])
         return [pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])]
-    thickness = _rim_thickness(outline, case.plate.width)
+    thickness = _rim_thickness(outline, plate.width)
     points = [(float(x), float(y)) for x, y in rim(outline, setting.get("vertices", 1), inside=thickness).T]
     return [pymunk.Segment(body, one, next, thickness) for one, next in pairwise(points)]
 
@@ -347,28 +384,18 @@ def _rim_thickness(outline: Curve, width: float) -> float:
     return min(0.02 * width, 0.5 / sharpest) if sharpest > 0.0 else 0.02 * width
 
 
-def _track_shapes(case: Case, space: pymunk.Space, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
-    kind, line, circle = track_kind(case), as_line(case.track), as_circle(case.track)
-    if kind == "hill" and circle:
-        return [_track_circle(body, circle)]
-    if line:
-        part = stretch(case)
-        own = np.array([case.track.point(s) for s in (part.low, part.high)])
-        return [line_segment(case, space, body, line, setting["thickness"], ends(case, line) if case.supports else own)]
-    return _chain(case, body, setting)
+def wider(case: Case, space: pymunk.Space) -> float:
+    """By how much (m) discs of several plates are larger than the case's. Plates that touch are detected only if they
+    overlap, as a plate and its segment."""
+    return 0.25 * _lift(case, space)
 
 
-def _track_circle(body: pymunk.Body, circle: Circle) -> pymunk.Shape:
-    x, y = circle.centre
-    return pymunk.Circle(body, circle.radius, (float(x), float(y)))
-
-
-def lift(case: Case, space: pymunk.Space) -> float:
+def _lift(case: Case, space: pymunk.Space) -> float:
     """How far (m) a surface is above its curve."""
     return 0.5 * min(space.collision_slop, 1e-6 * case.plate.inner)
 
 
-def line_segment(
+def _line_segment(
     case: Case, space: pymunk.Space, body: pymunk.Body, line: Line, thickness: float, ends: np.ndarray
 ) -> pymunk.Shape:
     """One segment between its ends, its surface above the line by half the slop that the engine allows.
@@ -376,19 +403,8 @@ def line_segment(
     The engine detects a contact only where shapes overlap: without that overlap the plate would fall for one step.
     """
     normal = np.array([-line.direction[1], line.direction[0]])
-    (ax, ay), (bx, by) = (end + normal * (lift(case, space) - thickness) for end in ends)
+    (ax, ay), (bx, by) = (end + normal * (_lift(case, space) - thickness) for end in ends)
     return pymunk.Segment(body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
-
-
-def _chain(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
-    """Segments of equal length along the stretch, behind the track by their radius."""
-    facets, thickness = setting["facets"], setting["thickness"]
-    if facets > _MOST_FACETS:
-        raise NotSupported(
-            f"At this step the track needs {facets:,} facets, and a million take more than a gigabyte of memory; "
-            "give a coarser setting."
-        )
-    return _segments(body, chain(case, facets, behind=thickness), stretch(case).closed, setting)
 
 
 def _segments(body: pymunk.Body, corners: np.ndarray, is_closed: bool, setting: Setting) -> list[pymunk.Shape]:

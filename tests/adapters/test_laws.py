@@ -173,7 +173,7 @@ def mutant(change=lambda model: None, spoil=lambda case, motion: motion):
 
 def never_turning(model) -> None:
     """Friction without torque: the engine is given a plate that nothing turns."""
-    model.body.moment *= 1e6
+    model.bodies[0].moment *= 1e6
 
 
 def half_the_friction(model) -> None:

@@ -283,7 +283,7 @@ def test_force_read_from_the_momentum_is_the_engines_own_impulse():
     case = cases.load("disc_in_circle", mu=0.1, duration=0.2)
     model = adapter.build(case, "native", rung(case, "native", 1e-3))
     impulses: list[tuple[float, float]] = []
-    model.space.on_collision(0, 0, post_solve=lambda arbiter, space, data: impulses.append(arbiter.total_impulse))
+    model.space.on_collision(2, 1, post_solve=lambda arbiter, space, data: impulses.append(arbiter.total_impulse))
     adapter.run(model)
     # The plate touches in the first step, of h/2. The second, of h, begins with twice that impulse and reports it once:
     # its velocity changes by 3.184e-7 m/s, of which the engine tells 1.592e-7.
@@ -380,7 +380,7 @@ def test_disc_that_sinks_through_a_coarse_polygon_is_told():
 def test_numbers_that_are_not_finite_are_a_failure_and_no_motion(route):
     case = cases.load("disc_in_circle", duration=0.1)
     model = adapter.build(case, route, rung(case, route, 4e-3))
-    model.body.velocity = (float("nan"), 0.0)
+    model.bodies[0].velocity = (float("nan"), 0.0)
     adapter.run(model)
     with pytest.raises(EngineFailure, match="not finite"):
         adapter.read(model)
