@@ -37,11 +37,11 @@ SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_
 def second(case: Case, times) -> second_states.SecondStates:
     """The second formulation with one contact."""
     if case.supports:
-        pytest.skip("supports: both formulations are compared in tests/reference/test_random_supports.py")
+        pytest.skip("supports: both formulations are compared in tests/reference/test_agreement.py")
     if case.others:
-        pytest.skip("several plates: both formulations are compared in tests/reference/test_free_plates.py")
+        pytest.skip("several plates: both formulations are compared in tests/reference/test_agreement.py")
     if touches_by_features(case):
-        pytest.skip("flat sides: both formulations are compared in tests/reference/test_boxes.py")
+        pytest.skip("flat sides: both formulations are compared in tests/reference/test_agreement.py")
     return second_states.solve(case, rtol=1e-12, times=times)
 
 

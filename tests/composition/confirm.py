@@ -23,16 +23,19 @@ def contradictions(spec: Spec, case: Case, motion: Trajectory) -> list[str]:
     """What contradicts a motion, in words; empty if nothing does."""
     if motion.dense is None:  # it ended where it began
         return []
-    ways = {"resumed": _resumed, "exported": _exported, "swept": _swept}
-    use = spec["use"]
-    text = ways[use](spec, case, motion) if use in ways else ""
+    ways = {"resumed": resumed, "exported": _exported, "swept": _swept}
+    use, effects = spec["use"], spec["effects"]
+    if use == "resumed" and {effects["load"]["kind"], effects["motion"]["kind"]} & {*IN_TIME}:
+        use = "simulated"
+    text = ways[use](case, motion) if use in ways else ""
     return [*map(str, reference.check(case, motion)), *([f"{use}: {text}"] if text else [])]
 
 
-def _resumed(spec: Spec, case: Case, motion: Trajectory) -> str:
-    """The rest of a motion, from the middle of its longest time without a change, as a scene of its own."""
-    effects, end = spec["effects"], float(motion.t[-1])
-    if motion.status != "completed" or {effects["load"]["kind"], effects["motion"]["kind"]} & {*IN_TIME}:
+def resumed(case: Case, motion: Trajectory) -> str:
+    """How the rest of a motion, from the middle of its longest time without a change, differs as a scene of its own; ""
+    if it does not, or if the motion ended early. A scene with formulas in time has none."""
+    end = float(motion.t[-1])
+    if motion.status != "completed":
         return ""
     changes = [0.0, *(change.time for change in motion.transitions), end]
     longest = int(np.argmax(np.diff(changes)))
@@ -49,12 +52,12 @@ def _pose(state) -> StartPose:
     return StartPose(*(float(getattr(state, name)) for name in ("x", "y", "theta", "vx", "vy", "omega")))
 
 
-def _exported(spec: Spec, case: Case, motion: Trajectory) -> str:
+def _exported(case: Case, motion: Trajectory) -> str:
     """The motion as another process receives it."""
     return _difference(case, motion, pickle.loads(pickle.dumps(motion)))
 
 
-def _swept(spec: Spec, case: Case, motion: Trajectory) -> str:
+def _swept(case: Case, motion: Trajectory) -> str:
     """The scene as a scenario of a sweep of its duration."""
 
     def scenario(duration: float) -> Case:

@@ -21,14 +21,12 @@ import reference
 from cases import Case, CaseError, Trajectory
 from cases.scene.limits import LIMITS
 
-from .build import scene
+from .build import ATTEMPTS, scene
 from .confirm import contradictions
 from .draw import Spec, draw
 
 # Instants at which poses are compared, from the start to the end.
 INSTANTS = 9
-# Scenes of a seed that are drawn until one begins where it can: of those of one in ten seeds the first does not.
-ATTEMPTS = 10
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
 
 

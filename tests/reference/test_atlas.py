@@ -12,12 +12,11 @@ from scipy.optimize import brentq
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
+from cases import Mode, Start
 from reports.judging import residuals
 from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
 from tests.scenes import second as second_states
-from tests.scenes.hard import shifted_ellipse
 
 pytestmark = pytest.mark.taylor
 
@@ -196,14 +195,6 @@ def test_the_cone_touched_from_inside_at_each_swing_begins_no_slip():
     assert use.max() == pytest.approx(1.0, abs=1e-6)
 
 
-def test_slip_that_touches_zero_is_no_transition_and_slip_that_crosses_it_by_a_billionth_is():
-    assert not motion_of("touching_slip[above=1e-09]").transitions
-    dip = motion_of("touching_slip[above=-1e-09]").transitions
-    assert [t.after for t in dip] == [Mode.ROLL, Mode.SLIP_FORWARD]
-    # v falls below zero by 1e-9 m/s with v'' of some 20 m/s³ about its lowest place.
-    assert dip[1].time - dip[0].time < 2e-5
-
-
 def test_the_lowest_slip_is_what_the_quadrature_says():
     motion = motion_of("touching_slip[above=1e-09]")
     around = motion(np.linspace(0.3202, 0.3203, 2001)).slip
@@ -323,29 +314,6 @@ def test_swings_end_where_they_began(mu):
             assert motion_of(case.label, method).xi1[-1] == pytest.approx(case.start.xi1, abs=tolerance), method
 
 
-@pytest.mark.slow
-@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
-@pytest.mark.parametrize("mu", [0.0, 1.0])
-def test_a_thousand_swings_end_where_they_began(mu):
-    case = cases.load("many_swings", mu=mu, periods=1000.0)
-    motion = reference.simulate(case, rtol=1e-14)
-    # Near its turning point the swing moves with the square of time: a phase error of 1e-9 would be 1e-18.
-    assert motion(motion.t[-1] - 0.25 * case.duration / 1000).xi1 == pytest.approx(-pi / 2, abs=1e-9)
-    assert residuals.examine(case, motion).energy <= 1e-11
-
-
-@pytest.mark.slow
-@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
-@pytest.mark.parametrize("label", ["limping_wheel[duration=1120]", "rocking_to_rest[duration=5800]"])
-def test_energy_is_closed_over_ten_thousand_transitions(label, accuracy):
-    case: Case = cases.load(label)
-    motion = reference.simulate(case, rtol=1e-13)
-    assert motion.status == "completed" and len(motion.transitions) >= 9900
-    error = residuals.examine(case, motion).energy
-    common = dict(case=label, solver="reference", route="taylor")
-    accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
-
-
 def test_energy_is_closed_over_a_hundred_transitions(accuracy):
     case = cases.load("limping_wheel", duration=14.0)
     motion = reference.simulate(case, rtol=1e-13)
@@ -356,43 +324,6 @@ def test_energy_is_closed_over_a_hundred_transitions(accuracy):
 
 
 # --- what random scenes found -----------------------------------------------------------------------------------------
-
-
-def found_by_chance(A, B, a, b, shift, inertia, direction, mu, start) -> Case:
-    """An elliptic plate in an ellipse, as the random hard scenes have it."""
-    plate = Plate(shifted_ellipse(a, b, shift), 1.0, inertia)
-    effects = (Gravity(9.81, direction), CoulombFriction(mu), Unilateral())
-    return Case(shifted_ellipse(A, B, 0.0), plate, effects, start, 1.0)
-
-
-@pytest.mark.parametrize("method", reference.METHODS)
-def test_a_plate_that_moves_off_by_itself_meets_no_paradox(method):
-    start = Start(-0.13125524371729647, 1.268868408066865, omega=-2.7518210142057224)
-    ellipses = (1.158044163987034, 0.9649002965339961, 0.2558800072792508, 0.23190822797764582, 0.035484499862952476)
-    case = found_by_chance(*ellipses, 0.031073150812764173, 2.415474375660496, 3.4087621176328917, start)
-    assert second_states.motion(case).status == "lift_off"
-    assert reference.simulate(case, method=method).status == "lift_off"
-
-
-@pytest.mark.parametrize("method", reference.METHODS)
-def test_a_slip_that_cannot_begin_is_not_listed(method):
-    start = Start(0.5231863931565326, -0.8888164912688383, omega=-2.044724728348796)
-    ellipses = (1.1467166512688496, 0.8786102366811571, 0.19548014806455738, 0.2992280121106903, 0.0005991391171655258)
-    case = found_by_chance(*ellipses, 0.03193783184744589, -1.06467073361922, 2.5499552544945985, start)
-    motion = reference.simulate(case, method=method)
-    second = second_states.motion(case)
-    assert motion.status == second.status == "lift_off"
-    assert kinds(motion.transitions) == kinds(second.transitions)
-
-
-@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
-def test_a_slip_too_small_to_be_seen_leaving_does_not_hang():
-    start = Start(2.426938401147753, -2.2151956719582033, omega=1.52516638181877)
-    ellipses = (1.0271439567267457, 0.8334083078279411, 0.2846274658463707, 0.25283092567864746, 0.04965826144907243)
-    case = found_by_chance(*ellipses, 0.0387000107535566, 1.51278272605426, 0.39247924741618306, start)
-    with within(20):
-        motion = reference.simulate(case, rtol=1e-12, method="taylor")
-    assert [t.after for t in motion.transitions] == [Mode.ROLL]
 
 
 def test_a_thin_ellipse_keeps_its_energy_by_dop853():

@@ -26,7 +26,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from tests.scenes.agreement import check_same_sequence
+from tests.scenes.agreement import agree
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
@@ -102,7 +102,7 @@ def test_pulse_of_a_belt_is_not_stepped_over():
     assert [t.after for t in motion.transitions] == [Mode.SLIP_BACKWARD, Mode.ROLL]
     assert motion.transitions[0].time == pytest.approx(1.0, abs=1e-5)
     assert motion.transitions[1].time == pytest.approx(1.0 + 1.0 / (3 * 0.3 * G), abs=1e-5)
-    check_same_sequence(case)
+    agree(case)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,6 @@ from math import acos, atan2, cos, inf, sin, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
-from scipy.optimize import brentq
 
 from cases import Case, Curve, Mode, Plate
 from cases.library import ellipse
@@ -91,66 +89,6 @@ def test_a_disc_that_rolls_on_a_free_hemisphere_has_lagranges_accelerations():
     system = pile.frames()
     (force,) = complementarity.solutions(*_problem(system))
     assert system.accelerations(force) == pytest.approx(expected, rel=1e-11, abs=1e-11)
-
-
-def _until_release(pile: Pile, modes, formulation: str) -> tuple[float, np.ndarray]:
-    """Time and state (x, y, θ, vx, vy, ω of both discs) at which the upper contact's force vanishes."""
-    count = len(pile.states)
-
-    def solve(y: np.ndarray) -> tuple[np.ndarray, float]:
-        pile.states = [(*y[3 * i : 3 * i + 3], *y[3 * (count + i) : 3 * (count + i) + 3]) for i in range(count)]
-        if formulation == "literal":
-            solution = pile.literal(modes)
-            return solution.q1_ddot, solution.normal_force[1]
-        system = pile.frames()
-        rows = [0, 1] + [2 + k for k, mode in enumerate(modes) if mode is Mode.ROLL]
-        forces = np.zeros(4)
-        forces[rows] = np.linalg.solve(system.delassus[np.ix_(rows, rows)], -system.free[rows])
-        return system.accelerations(forces), float(forces[1])
-
-    def release(t, y):
-        return solve(y)[1]
-
-    release.terminal = True  # type: ignore[attr-defined]
-    start = np.array([value for part in (slice(0, 3), slice(3, 6)) for state in pile.states for value in state[part]])
-    motion = solve_ivp(
-        lambda t, y: np.concatenate([y[3 * count :], solve(y)[0].ravel()]),
-        (0.0, 2.0), start, "DOP853", events=release, rtol=1e-12, atol=1e-13,
-    )  # fmt: skip
-    return float(motion.t_events[0][0]), motion.y_events[0][0]
-
-
-@pytest.mark.parametrize("formulation", ["literal", "frames"])
-def test_the_motion_of_a_disc_on_a_free_disc_ends_at_the_exact_time(formulation):
-    """From rest at φ₀: L φ̇² (1 − κ cos²φ) = 2 g (cos φ₀ − cos φ), the force vanishes where φ̇² = g cos φ/L, and the
-    time is a quadrature, with φ = φ₀ + z² at its singular start. (Tolerance: the integrator's, 1e-12 per step.)"""
-    phi, masses, far = 0.3, (2.0, 1.0), 0.9
-    kappa, c0 = masses[1] / sum(masses), cos(phi)
-
-    def square(angle: float) -> float:  # φ̇²
-        return 2.0 * G * (c0 - cos(angle)) / (far * (1.0 - kappa * cos(angle) ** 2))
-
-    end = brentq(lambda angle: square(angle) - G * cos(angle) / far, phi + 0.1, 1.5, xtol=1e-15)
-    exact, _ = quad(lambda z: 2.0 * z / sqrt(square(phi + z * z)), 0.0, sqrt(end - phi), epsabs=1e-13, epsrel=1e-13)
-    time, y = _until_release(Pile(on_top(phi, masses=masses), BOTH, (0.0, 0.0)), (Mode.SLIDE, Mode.SLIDE), formulation)
-    assert time == pytest.approx(exact, abs=1e-11)
-    assert atan2(y[3] - y[0], y[4] - y[1]) == pytest.approx(end, abs=1e-11)
-    assert masses[0] * y[6] + masses[1] * y[9] == pytest.approx(0.0, abs=1e-11)
-
-
-def test_two_rolling_discs_keep_their_energy_in_both_formulations():
-    masses, radii = (1.5, 0.7), (0.5, 0.4)
-    ends = []
-    for formulation in ("literal", "frames"):
-        pile = Pile(on_top(0.3, masses=masses), BOTH, (5.0, 5.0))
-        high = masses[1] * G * (pile.states[1][1])
-        time, y = _until_release(pile, (Mode.ROLL, Mode.ROLL), formulation)
-        speeds = np.array(y[6:]).reshape(2, 3)
-        weights = [[m, m, 0.5 * m * r * r] for m, r in zip(masses, radii, strict=True)]
-        energy = 0.5 * (np.array(weights) * speeds**2).sum() + masses[1] * G * y[4]
-        assert energy == pytest.approx(high, rel=1e-11)
-        ends.append(np.array([time, *y]))
-    assert ends[0] == pytest.approx(ends[1], abs=1e-10)
 
 
 # --- a pile -----------------------------------------------------------------------------------------------------------

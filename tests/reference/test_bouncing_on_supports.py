@@ -41,7 +41,7 @@ def test_a_contact_that_closes_where_a_series_ends_lands_at_that_instant(method)
     """A frictionless disc bounces on a floor (e = 0.2), and reaches a wall where that ends. The second formulation
     ended it 1e-8 s early, and `dop853` 2e-12 s: the wall closed a rounding before the end.
 
-    With friction (seed 62 of `random_case`) a block's corner bounces on a wall until its side lies on the wall."""
+    With friction (found at random) a block's corner bounces on a wall until its side lies on the wall."""
     radius, e, speed, height = 0.3, 0.2, 1.3, 0.2
     end = sqrt(2.0 * height / G) * (1.0 + 2.0 * e / (1.0 - e))
     wall = Support(line(pi / 2), "wall", (Impact(0.5, "moreau"),))

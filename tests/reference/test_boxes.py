@@ -25,7 +25,6 @@ from cases import (
     library,
 )
 from cases.scene.contact_limits import touches_by_features
-from tests.scenes.agreement import check_several_contacts
 
 G = 9.81
 # Step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
@@ -117,17 +116,6 @@ def test_a_tilted_box_lands_on_a_corner_and_lies_down():
     assert end.x == pytest.approx(0.2 - side, abs=EXACT)
 
 
-def test_a_slender_block_rocks_as_housner_found_without_supports():
-    start = StartPose(0.25 * cos(0.1) - sin(0.1) - 0.25, 0.25 * sin(0.1) + cos(0.1), 0.1)
-    plate = Plate.rectangle(0.5, 2.0, 1.0)
-    case = on(library.line(), plate, CoulombFriction(2.0), *INELASTIC, start=start, duration=3.0)
-    motion = reference.simulate(case, rtol=1e-14)
-    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.omega)) > 1e-9))[:4]
-    factor = 1.0 - 1.5 * (0.25**2 / (1.0 + 0.25**2))
-    assert len(jumps) == 4
-    assert motion.omega[jumps + 1] / motion.omega[jumps] == pytest.approx([factor] * 4, rel=1e-11)
-
-
 def test_a_box_dropped_flat_bounces_as_a_point_mass():
     case = on(library.line(), BOX, CoulombFriction(0.5), Flight(), Impact(0.5, "newton"),
               start=Start(0.0, gap=0.5), duration=1.2)  # fmt: skip
@@ -140,15 +128,6 @@ def test_a_box_dropped_flat_bounces_as_a_point_mass():
 
 
 # --- the catalogue ----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_box_slides_down_a_slope_and_stops():
-    motion = reference.simulate(cases.load("sliding_box", mu=0.4, slope=0.2), rtol=1e-14)
-    pull = G * (0.4 * cos(0.2) - sin(0.2))
-    assert [t.time for t in motion.transitions] == pytest.approx([1.0 / pull] * 2, rel=EXACT)
-    end = motion(1.0)
-    assert hypot(end.x - motion(0.0).x, end.y - motion(0.0).y) == pytest.approx(0.5 / pull, abs=EXACT)
 
 
 @pytest.mark.slow
@@ -265,39 +244,3 @@ def test_a_flat_start_that_turns_is_rejected():
 def test_where_a_flat_side_ends_the_motion_the_reason_says_what_to_give(case, words):
     motion = reference.simulate(case)
     assert motion.status == "second_contact" and words in motion.reason
-
-
-# --- both formulations ------------------------------------------------------------------------------------------------
-
-
-def random_box(seed):
-    """A polygon thrown onto a slope, or sliding or turning on it, with inelastic impacts."""
-    chance = np.random.default_rng(seed)
-    n = int(chance.integers(3, 7))
-    angles = 2 * pi * (np.arange(n) + chance.uniform(-0.3, 0.3, n)) / n
-    plate = Plate.polygon((0.15 * np.array([np.cos(angles), np.sin(angles)])).T.tolist(), 1.0)
-    friction = PerfectlyRough() if chance.integers(6) == 0 else CoulombFriction(chance.uniform(0.05, 0.9))
-    slip = 0.0 if isinstance(friction, PerfectlyRough) else chance.uniform(-0.5, 1.5)
-    in_flight = bool(chance.integers(2))
-    start = Start(
-        0.0, chance.uniform(*plate.outline.span), slip=slip, omega=chance.uniform(-4, 3) * in_flight,
-        gap=chance.uniform(0.0, 0.3) * in_flight,
-    )  # fmt: skip
-    law = str(chance.choice(["newton", "poisson", "moreau"]))
-    effects = (friction, Flight(), Impact(0.0, law))
-    return on(library.line(float(chance.uniform(0, 0.4))), plate, *effects, start=start, duration=0.8)
-
-
-# 2, 62: two corners hit in turn, each time 0.03 of the time before, from the first impact on: few impacts have one end.
-@pytest.mark.sampled(2, first=1)
-@pytest.mark.parametrize("seed", [2, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 11, 62))])
-def test_both_formulations_agree_on_random_boxes(seed):
-    check_several_contacts(random_box(seed))
-
-
-@pytest.mark.slow
-def test_a_dropped_box_is_certified():
-    case = on(library.line(), BOX, CoulombFriction(0.5), *INELASTIC, start=StartPose(0.0, 0.6, 0.3))
-    certificate = reference.certify(case)
-    assert len(certificate.witnesses) == 5 and not certificate.missing
-    assert certificate.transitions and all(time.bar <= EXACT for _, _, time, _ in certificate.transitions)

@@ -1,6 +1,5 @@
 """Motions over corners: closed forms and quadratures, the two formulations compared, and where motions end."""
 
-import pickle
 from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
@@ -12,24 +11,19 @@ from cases import (
     Case,
     Chain,
     CoulombFriction,
-    Curve,
     Gravity,
-    Load,
     Mode,
     NotSupported,
     Outline,
     PerfectlyRough,
     Plate,
-    RollingResistance,
     Start,
     Unilateral,
     arc,
     disc,
     library,
-    load,
 )
-from reference.sweeping import sweep
-from tests.scenes import second as second_states
+from tests.scenes.agreement import unlike_second
 
 pytestmark = pytest.mark.taylor
 
@@ -79,7 +73,7 @@ def over_an_edge(v, mu):
 
 
 @pytest.mark.parametrize(("v", "mu"), [(0.2, 0.5), (0.4, 0.2), (0.05, 1.5)])
-@pytest.mark.parametrize("method", reference.solve.METHODS)
+@pytest.mark.parametrize("method", reference.METHODS)
 def test_disc_rolls_off_a_table_slips_on_its_edge_and_leaves(v, mu, method):
     case = on(TABLE, disc(R, 1.0), CoulombFriction(mu), xi1=0.5, omega=-v / R, duration=20.0)
     motion = reference.simulate(case, rtol=1e-14, method=method)
@@ -192,77 +186,6 @@ def test_piece_boundaries_of_a_smooth_curve_change_nothing():
     assert other.passages and not one.passages
 
 
-def compare(case, tolerance=1e-10):
-    """The motion by both formulations: the same transitions and end. The second's default tolerance is 1e-10."""
-    motion = reference.simulate(case, rtol=1e-13)
-    second = second_states.motion(case, rtol=1e-12)
-    assert motion.status == second.status, (motion.status, second.status)
-    assert [(t.before, t.after) for t in motion.transitions] == [(t.before, t.after) for t in second.transitions]
-    for a, b in zip(motion.transitions, second.transitions, strict=True):
-        assert a.time == pytest.approx(b.time, abs=tolerance) and a.xi1 == pytest.approx(b.xi1, abs=10 * tolerance)
-        assert a.xi2 == pytest.approx(b.xi2, abs=10 * tolerance)
-    assert motion.t[-1] == pytest.approx(second.end, abs=tolerance)
-    return motion
-
-
-def random_polygon(seed):
-    """A convex polygon of 3 to 7 corners on a hill, a slope, or a wide valley, released or pushed at random."""
-    chance = np.random.default_rng(seed)
-    n = int(chance.integers(3, 8))
-    angles = 2 * pi * (np.arange(n) + chance.uniform(-0.3, 0.3, n)) / n
-    plate = Plate.polygon((0.15 * np.array([np.cos(angles), np.sin(angles)])).T.tolist(), 1.0)
-    track = [library.hill(1.0), library.line(0.2), library.circle(3.0), library.ellipse(3.0, 2.0)][seed % 4]
-    s = {0: 0.1, 1: 0.0, 2: -pi / 2, 3: -pi / 2}[seed % 4]
-    corner = [e for e in plate.outline.elements if e.number % 2][int(chance.integers(n))]
-    xi2 = corner.start + chance.uniform(0.3, 0.7) * corner.piece.domain[1]
-    friction = [CoulombFriction(chance.uniform(0.05, 0.8)), PerfectlyRough()][int(chance.integers(5)) == 0]
-    slip = 0.0 if isinstance(friction, PerfectlyRough) else chance.choice([0.0, 0.3, -0.3])
-    omega = chance.uniform(-2, 2)
-    return on(track, plate, friction, xi1=s, xi2=xi2, slip=slip, omega=omega, duration=0.5)
-
-
-# In the last two a second corner enters a bowl by less than samples of its sides show, or next to another edge.
-@pytest.mark.sampled(6, first=1)
-@pytest.mark.parametrize("seed", [*range(5), 574, 663])
-def test_both_formulations_agree_on_random_polygons(seed):
-    compare(random_polygon(seed))
-
-
-@pytest.mark.slow
-def test_both_formulations_agree_on_a_thousand_random_polygons():
-    failures = {}
-    for seed in range(1000):
-        try:
-            compare(random_polygon(seed))
-        except (AssertionError, FloatingPointError) as problem:
-            failures[seed] = str(problem).splitlines()[0]
-    assert not failures
-
-
-@pytest.mark.sampled(3, first=2)
-@pytest.mark.parametrize(
-    "effects",
-    [
-        (CoulombFriction(0.4), RollingResistance(0.005)),
-        (CoulombFriction(0.4), Load(moment="0.3*sin(5*t) - 0.1*theta")),
-        (CoulombFriction(0.3, 0.5),),
-    ],
-)
-def test_other_effects_work_on_corners(effects):
-    plate = Plate.reuleaux(0.2, 1.0)
-    motion = compare(on(library.hill(1.5), plate, *effects, xi1=0.05, omega=-1.0, duration=1.0))
-    assert motion.t[-1] > 0.1
-
-
-@pytest.mark.slow
-def test_chain_may_have_measured_pieces():
-    """A ramp through points ends in an edge: within a piece the contact passes its knots, then the corner."""
-    x = np.linspace(-1, 0, 41)
-    ramp = Curve.spline(np.column_stack([x, 0.1 * x**2]))
-    motion = compare(on(Chain([ramp, Curve(("s", "-s"), (0, 1))]), disc(R, 1.0), CoulombFriction(0.4), xi1=0.3))
-    assert motion.status == "lift_off" and [p.after for p in motion.passages] == ["corner 1"]
-
-
 @pytest.mark.parametrize(
     ("case", "status"),
     [
@@ -275,41 +198,11 @@ def test_chain_may_have_measured_pieces():
     ],
 )  # fmt: skip
 def test_motions_end_where_one_contact_does(case, status):
-    motion = compare(case)
+    motion = reference.simulate(case, rtol=1e-13)
+    assert unlike_second(case, motion) == ""
     assert motion.status == status
     if status == "second_contact":
         assert motion.t[-1] == pytest.approx((0.5 - R) / (2.0 * R), rel=EXACT)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "case",
-    [
-        on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-2.0),
-        on(library.hill(1.0), Plate.rectangle(0.3, 0.1, 1.0), CoulombFriction(0.5), xi1=0.1, duration=2.0),
-        on(library.line(0.2), Plate.reuleaux(0.3, 1.0), CoulombFriction(0.4), xi1=0.1, duration=2.0),
-    ],
-)
-def test_motions_over_corners_are_certified(case):
-    certificate = reference.certify(case)
-    assert len(certificate.witnesses) == 5 and not certificate.missing
-    assert all(time.bar <= EXACT for _, _, time, _ in certificate.transitions) and certificate.transitions
-
-
-def test_motion_over_corners_travels_to_other_processes():
-    case = on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-2.0)
-    motion = reference.simulate(case)
-    copy = pickle.loads(pickle.dumps(motion))
-    assert copy.passages == motion.passages and copy.case == case
-    np.testing.assert_array_equal(copy(copy.t).x, motion(motion.t).x)
-
-
-def test_sweep_over_corners_has_the_single_motions():
-    rows = sweep("disc_over_edge", mu=[0.2, 0.5])
-    for row in rows.to_dict("records"):
-        motion = reference.simulate(load("disc_over_edge", mu=row["mu"]))
-        assert row["outcome"] == motion.status == "lift_off"
-        assert row["first_time"] == pytest.approx(motion.transitions[0].time, rel=EXACT)
 
 
 def test_what_corners_do_not_have_is_rejected():

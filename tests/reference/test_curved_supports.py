@@ -1,7 +1,7 @@
 """Plates on curved supports: discs between circles, rods and blocks in bowls, against exact motions."""
 
 from functools import cache
-from math import acos, asin, atan, cos, hypot, pi, sin, sqrt
+from math import acos, asin, atan, cos, hypot, sin, sqrt
 
 import mpmath as mp
 import numpy as np
@@ -28,14 +28,14 @@ from cases import (
     Unilateral,
     disc,
 )  # fmt: skip
-from cases.library import circle, ellipse, line
+from cases.library import circle, line
 from cases.motion.mechanics import energy
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
-from tests.scenes.agreement import check_several_contacts
-from tests.scenes.supports import INELASTIC, G, agree, bowl, events, hill, simulated
+from tests.scenes.agreement import agree, unlike_second
+from tests.scenes.supports import INELASTIC, G, bowl, events, hill, simulated
 
 # --- discs between circles --------------------------------------------------------------------------------------------
 
@@ -120,42 +120,13 @@ def test_a_disc_in_a_bowl_meets_a_hill_at_the_time_of_a_quadrature(method, rolls
     assert first.time == pytest.approx(falls(start, touch, far, share), abs=1e-12)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("lean", [-0.2, 0.3])
-def test_a_disc_that_rolls_in_a_bowl_meets_a_straight_wall_in_time(lean):
-    r, far, start = 0.3, 1.7, 1.1
-    # The wall's normal is (cos lean, sin lean), and its distance from the bowl's centre 0.5 m on the other side.
-    wall = Curve(lambda s: (-0.5 * cos(lean) + s * sin(lean), -0.5 * sin(lean) - s * cos(lean)))
-    # The disc's centre far·(sin θ, −cos θ) has the distance far sin(θ − lean) + 0.5 from the wall.
-    touch = lean + asin((r - 0.5) / far)
-    pose, support = StartPose(far * sin(start), -far * cos(start)), (Support(wall, "wall", ()),)
-    case = Case(circle(2.0), disc(r, 1.0), (*INELASTIC, CoulombFriction(2.0)), pose, 1.2, supports=support)
-    motion = simulated(case)
-    first = motion.transitions[0]
-    assert "plate/wall" in {t.contact for t in motion.transitions if t.time == first.time}
-    assert first.time == pytest.approx(falls(start, touch, far, 2.0 / 3.0), abs=1e-12)
-    assert agree(case, 1e-10) >= 2
-
-
-@pytest.mark.slow
-def test_a_rough_disc_that_falls_between_a_bowl_and_a_smooth_wall_comes_to_rest():
-    # The coefficient of a perfectly rough contact, 1e9 in the second formulation, left a slip of 3e-8 m/s after the
-    # impact at both contacts, which ended its motion as "paradox".
-    lean, far, start = 0.3, 1.7, 1.1
-    wall = Curve(lambda s: (-0.5 * cos(lean) + s * sin(lean), -0.5 * sin(lean) - s * cos(lean)))
-    pose, support = StartPose(far * sin(start), -far * cos(start)), (Support(wall, "wall", ()),)
-    case = Case(circle(2.0), disc(0.3, 1.0), (*INELASTIC, PerfectlyRough()), pose, 1.0, supports=support)
-    assert agree(case, 1e-10) == 3
-    assert reference.simulate(case)(1.0).omega == 0.0
-
-
 def test_a_disc_that_rolls_over_the_end_of_a_shelf_ends_the_motion_there():
     shelf = Curve(lambda s: (s, 0.6 + 0.05 * s**2), domain=(-1.0, 0.2))
     supports = (Support(shelf, "shelf", (CoulombFriction(0.3),)),)
     case = Case(line(0.0), disc(0.1, 1.0), INELASTIC, StartPose(-0.5, 0.73, vx=1.0), 1.5, supports=supports)
-    assert agree(case, 1e-12) == 2
-    motion, second = simulated(case), _by_second(case, "second", 1e-13)
-    assert motion.status == "track_end" and motion.t[-1] == pytest.approx(second.end, abs=1e-12)
+    motion = simulated(case)
+    assert unlike_second(case, motion) == ""
+    assert motion.status == "track_end" and len(motion.transitions) == 2
     assert motion.contact_columns("plate/shelf", motion.t[-1:]).xi1 == pytest.approx(0.2, abs=1e-12)
 
 
@@ -225,7 +196,7 @@ def test_a_rod_slides_in_a_bowl_with_friction_until_it_stops():
     # The integration of the law has errors of 1e-13, and the time those divided by the deceleration, 1 to 10 1/s².
     assert motion.transitions[0].time == pytest.approx(float(law.t_events[0][0]), abs=1e-11)
     assert motion(3.0).theta == pytest.approx(float(law.y_events[0][0][0]), abs=1e-11)
-    assert agree(case) == 2
+    agree(case)
 
 
 @pytest.mark.slow
@@ -251,7 +222,7 @@ def test_a_block_lands_in_a_bowl_on_one_corner_and_then_on_the_other():
     assert (after.vx, after.vy, after.omega) == pytest.approx(
         (impulse * normal[0], impulse * normal[1] - speed, impulse * lever / plate.inertia), abs=1e-12
     )
-    assert agree(case, 1e-10) >= 2
+    agree(case)
 
 
 def test_a_rod_that_begins_on_one_end_meets_the_bowl_with_the_other_one():
@@ -323,18 +294,6 @@ def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
 
 
 @pytest.mark.slow
-def test_a_plank_on_a_hill_moves_as_with_one_contact():
-    # The formulation of one contact on pieces; its equations are others. It slips, rolls, and leaves with its corner.
-    several = plank_on_hill(0.3, CoulombFriction(0.1), supports=(GROUND,))
-    alone = plank_on_hill(0.3, CoulombFriction(0.1), flies=False)
-    assert not touches_by_features(alone)
-    one, other = reference.simulate(several, 1e-14), reference.simulate(alone, 1e-14)
-    assert [t.after for t in one.transitions[:4]] == [t.after for t in other.transitions]
-    assert [t.time for t in one.transitions[:4]] == pytest.approx([t.time for t in other.transitions], abs=1e-12)
-    assert other.status == "lift_off"
-
-
-@pytest.mark.slow
 def test_a_plank_that_rocks_on_a_hill_hits_the_ground_in_time():
     # When its lower corner is at the ground's level, in the motion without that ground, whose period is exact.
     free = reference.simulate(plank_on_hill(-0.5, CoulombFriction(2.0), supports=(GROUND,)), 1e-14)
@@ -350,7 +309,7 @@ def test_a_plank_that_rocks_on_a_hill_hits_the_ground_in_time():
     case = plank_on_hill(-0.5, CoulombFriction(2.0), supports=(ground,), duration=1.0)
     hit = next(t for t in reference.simulate(case, 1e-14).transitions if t.contact == "plate/ground")
     assert hit.time == pytest.approx(exact, abs=1e-11)
-    assert agree(case, 1e-10) >= 1
+    agree(case)
 
 
 @pytest.mark.parametrize("method", ["first", "second"])
@@ -385,18 +344,3 @@ def test_a_plate_that_begins_in_a_support_is_rejected_in_one_line(track, plate, 
     with pytest.raises((BadValue, DoesNotFit), match=message) as output:
         Case(track, plate, INELASTIC, StartPose(0.0, 1.0), 1.0, supports=(Support(support, "wall"),))
     assert "\n" not in str(output.value)
-
-
-# --- curves through points --------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("e", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    "plate", [disc(0.3, 1.0), pytest.param(Plate(ellipse(0.3, 0.2), 1.0, 0.05), marks=pytest.mark.slow)]
-)
-def test_both_formulations_agree_on_a_curve_through_points_next_to_a_wall(plate, e):
-    """A plate falls into a parabola through points every metre, slides over their knots, and hits the wall at x = 0."""
-    track = Curve.spline([(x, 0.05 * x * x) for x in range(-8, 9)])
-    effects = (Gravity(G), Unilateral(), Flight(), Impact(e, "moreau"), CoulombFriction(0.5))
-    wall = Support(line(pi / 2), "wall")
-    check_several_contacts(Case(track, plate, effects, StartPose(2.0, 0.9, vx=-1.0), 2.0, supports=(wall,)))

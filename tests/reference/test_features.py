@@ -1,12 +1,10 @@
 """No step and no search passes over a bump, a step, a notch or a pulse that its start knows nothing of."""
 
-from functools import partial
 from math import pi, sqrt
 
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import DOP853
 
 import cases
 import reference
@@ -15,9 +13,7 @@ from cases.contact import start_motion
 from cases.curves import cos, exp, sin, tanh
 from cases.curves.plane_curve import features_of
 from cases.library import line
-from reference import solve
 from reference.certification.truth_file import stored_or_new
-from reference.minimal.integrators import dop853
 from reference.minimal.modes import candidates, phase
 from tests.scenes import second as second_states
 
@@ -276,82 +272,3 @@ def test_features_of_a_closed_curve_come_again():
         stride = found.clear(start, start - 3.0) - start
         assert stride == pytest.approx(found.clear(3.0, 0.0) - 3.0, rel=1e-9)
         assert stride > -2.0
-
-
-# --- random tracks ----------------------------------------------------------------------------------------------------
-
-
-def random_narrow(rng: np.random.Generator) -> tuple[Case, float]:
-    """A disc sent over level stretches with bumps, notches and steps at random places, or pushed by pulses; and a step
-    so short that nothing in it can be passed over."""
-    kind = rng.choice(["bump", "step", "two", "pulse", "both"])
-    width, place, apart = 10 ** rng.uniform(-2, -0.5), rng.uniform(0.8, 3.0), rng.uniform(0.5, 1.5)
-    # So flat that the disc fits (a curvature below half its own).
-    height = float(rng.choice([-1, 1])) * rng.uniform(0.05, 0.25) * min(5.0 * width**2, 0.3 * width)
-    other = rng.uniform(0.3, 0.9) * height
-    shapes = {
-        "bump": lambda s: height * exp(-(((s - place) / width) ** 2)),
-        "step": lambda s: height * tanh((s - place) / width),
-        "two": lambda s: height * exp(-(((s - place) / width) ** 2)) + other * tanh((s - place - apart) / width),
-        "pulse": lambda s: 0.0 * s,
-        "both": lambda s: height * exp(-(((s - place) / width) ** 2)),
-    }
-    effects = [CoulombFriction(rng.uniform(0.05, 0.6)), Unilateral()]
-    speed = rng.uniform(0.8, 2.5)
-    shortest = width / 8 / speed
-    if kind in ("pulse", "both"):
-        brief = 10 ** rng.uniform(-2.5, -1)
-        push, when = rng.uniform(-1.0, 1.0) / brief, rng.uniform(0.3, 1.8)
-        effects.append(Load(fx=f"{push!r}*exp(-((t - {when!r})/{brief!r})**2)"))
-        shortest = min(shortest, brief / 4)
-    track = Curve(lambda s: (s, shapes[kind](s)))
-    slips = bool(rng.integers(2))
-    start = Start(0.0, slip=speed if slips else 0.0, omega=0.0 if slips else -speed / RADIUS)
-    return scene(track, *effects, start=start, duration=2.0), shortest
-
-
-def by_hand(case: Case, rtol: float, longest: float):
-    """The motion by DOP853 with steps of at most `longest` s and no knowledge of features."""
-
-    def integrate(now, t, y, end, rtol):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(dop853, "DOP853", partial(DOP853, max_step=longest))
-            return dop853.integrate(now._replace(features=()), t, y, end, rtol)
-
-    return solve.as_trajectory(case, *solve.solve_motion(case, rtol, integrate))
-
-
-def check_random(seed: int) -> None:
-    """Both integrators and the second formulation against the run that is bounded by hand, sequence and place."""
-    case, longest = random_narrow(np.random.default_rng(seed))
-    expected = by_hand(case, 1e-11, longest)
-    sequence = [(t.before, t.after) for t in expected.transitions]
-    times = [t.time for t in expected.transitions]
-    for method in METHODS:
-        motion = reference.simulate(case, rtol=1e-10, method=method)
-        assert motion.status == expected.status, (seed, method)
-        assert [(t.before, t.after) for t in motion.transitions] == sequence, (seed, method)
-        # A thousand times the tolerance: what a bump does to an error before it.
-        assert [t.time for t in motion.transitions] == pytest.approx(times, abs=1e-7), (seed, method)
-        assert float(motion.t[-1]) == pytest.approx(float(expected.t[-1]), abs=1e-7), (seed, method)
-        assert float(motion.x[-1]) == pytest.approx(float(expected.x[-1]), abs=1e-7), (seed, method)
-    if expected.status != "second_contact":  # which the second formulation does not look for
-        second = second_states.motion(case, rtol=1e-11)
-        assert second.status == expected.status, seed
-        assert [(t.before, t.after) for t in second.transitions] == sequence, seed
-        assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed
-
-
-# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead, in 414 a pulse of 25 ms
-# makes a slip of 4 ms.
-@pytest.mark.sampled(2, first=1)
-@pytest.mark.parametrize("seed", [5, 414, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 8, 10, 11))])
-def test_random_narrow_features_a_few(seed):
-    check_random(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("part", range(10))
-def test_random_narrow_features_five_hundred(part):
-    for seed in range(50 * part, 50 * part + 50):
-        check_random(seed)

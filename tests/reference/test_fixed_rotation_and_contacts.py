@@ -13,8 +13,7 @@ from adapters import lookup
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, Mode, StartPose, Support, Unilateral, disc
 from cases.library import line
 from cases.motion.mechanics import energy
-from tests.scenes.still_plates import random_scene
-from tests.scenes.supports import agree, compare_with_matrix, events, simulated
+from tests.scenes.supports import compare_with_matrix, events, simulated
 
 from .test_belts_and_supports import METHODS, motion_by
 
@@ -145,27 +144,15 @@ def test_the_energy_closes_with_the_work_of_friction_and_load():
 def test_a_slip_vanishes_where_a_belt_turns_under_a_plate_that_is_still():
     """The rounding of this slip shows in no speed of the plate, only in the belts' speeds. By DOP853 the motion ended
     there, as `accumulation`."""
-    motion = reference.simulate(random_scene(1), rtol=1e-10, method="dop853")
-    assert (motion.status, len(motion.transitions)) == ("completed", 4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, *range(4, 60)])
-def test_both_formulations_have_the_same_random_sequences(seed):
-    agree(random_scene(seed), 1e-9)
+    case = between_floor_and_wall(CoulombFriction(0.1), Belt("0.48*sin(7.4*t)"), belt=(Belt(1.3),))
+    motion = reference.simulate(case, rtol=1e-10, method="dop853")
+    assert (motion.status, len(motion.transitions)) == ("completed", 2)
 
 
 def test_the_papers_matrix_gives_the_same_accelerations_and_forces():
     belts = between_floor_and_wall(CoulombFriction(0.2), Belt(-1.0), belt=(Belt(1.0),))
     modes = compare_with_matrix((in_v(), belts, in_v(0.1, 0.2, 0.8)))
     assert max(map(len, modes)) == 2 and len(modes) >= 4
-
-
-@pytest.mark.slow
-def test_a_motion_with_impacts_is_certified():
-    certificate = reference.certify(in_v(0.1, 0.2, 0.8))
-    assert len(certificate.witnesses) == 5 and not certificate.missing
-    assert certificate.transitions and all(time.bar <= 1e-11 for _, _, time, _ in certificate.transitions)
 
 
 def test_engines_model_it_or_reject_it_in_one_sentence():

@@ -1,6 +1,5 @@
 """Plates of arcs and edges on a flat side and on their arcs: closed forms and quadratures, and both formulations."""
 
-from dataclasses import replace
 from math import atan, cos, hypot, pi, sin, sqrt
 
 import numpy as np
@@ -14,12 +13,10 @@ from cases import (
     Flight,
     Gravity,
     Impact,
-    Mode,
     Outline,
     PerfectlyRough,
     Plate,
     StartPose,
-    Support,
     Unilateral,
     library,
 )
@@ -29,7 +26,6 @@ from cases.curves.outline import arc
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
-from tests.scenes.agreement import check_several_contacts
 
 G, R = 9.81, 0.2
 EXACT = 1e-12  # step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14
@@ -172,107 +168,3 @@ def test_the_same_circle_in_two_arcs_is_compared_once():
     case = on(0.0, plate, *INELASTIC, start=StartPose(0.0, 0.5, 0.3))
     facing = [pair for pair in pairs(case) if pair.arc_range and not pair.is_away(pair.guess(0.0, 0.5, 0.3)[1])]
     assert len(facing) == 1
-
-
-# --- both formulations ------------------------------------------------------------------------------------------------
-
-PLATES = (HALF, segment(), bullet(), stadium(), Plate.rectangle(0.4, 0.2, 1.0, radius=0.03))
-
-
-def random_case(seed: int) -> Case:
-    """A plate of arcs and edges thrown onto a slope, every second one with a wall; perfectly rough without one only."""
-    chance = np.random.default_rng(seed)
-    plate, wall = PLATES[int(chance.integers(5))], bool(chance.integers(2))
-    friction = CoulombFriction(float(chance.uniform(0.05, 0.9))) if wall or chance.integers(6) else PerfectlyRough()
-    effects = friction, Flight(), Impact(0.0, str(chance.choice(["newton", "poisson", "moreau"])))
-    x, vx = (0.4, -1.0) if wall else (0.0, 1.0)
-    theta, omega, high = (float(chance.uniform(*limits)) for limits in ((-pi, pi), (-4, 4), (0.3, 0.5)))
-    start = StartPose(x, high + 0.2 * wall, theta, vx * float(chance.uniform(0, 1)), 0.0, omega)
-    slope = float(chance.uniform(0, 0.4)) * (-1 if wall else 1)
-    supports = (Support(library.line(pi / 2 + 0.1), "wall"),) if wall else ()
-    return on(slope, plate, *effects, start=start, duration=1.0, supports=supports)
-
-
-def test_an_open_contact_leaves_an_arc_where_that_ends():
-    """It opens at the joint of an arc and the side that lay flat: the rest of the arc's circle is no part of the plate,
-    and stopped it 0.107 m above the slope."""
-    case = random_case(19)
-    assert not reference.check(case, reference.simulate(case, method="dop853"))
-
-
-# In seed 25 the plate lands next to a smooth joint of an arc and an edge.
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
-def test_both_formulations_agree_on_plates_of_arcs_and_edges(seed):
-    check_several_contacts(random_case(seed))
-
-
-@pytest.mark.slow
-def test_both_formulations_end_impacts_at_the_limit_where_two_motions_may_follow():
-    # The first one went on into hops of rounding, as it looks for the motion that follows before it goes to the limit.
-    motion, second = reference.simulate(random_case(183), rtol=1e-13), _by_second(random_case(183), "second", 1e-12)
-    assert motion.status == second.status == "not_unique"
-    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
-        (t.contact, t.before, t.after) for t in second.transitions
-    ]
-    assert motion.t[-1] == pytest.approx(second.end, abs=1e-10)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [79, 123])
-def test_impacts_in_turn_of_which_three_are_resolved_end_at_their_limit(seed):
-    # Every other one is 0.0025 and 0.0045 as fast. The second formulation ended as `accumulation`, the first came to
-    # rest where a slip vanished next to the wall, 2.4e-7 and 8.8e-8 s too early.
-    motion, second = reference.simulate(random_case(seed), rtol=1e-13), _by_second(random_case(seed), "second", 1e-12)
-    assert motion.status == second.status == "completed"
-    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
-        (t.contact, t.before, t.after) for t in second.transitions
-    ]
-    assert [t.time for t in motion.transitions] == pytest.approx([t.time for t in second.transitions], abs=1e-10)
-
-
-def rough_case(seed: int) -> Case:
-    """The same without slip."""
-    case = random_case(seed)
-    rough = (PerfectlyRough() if isinstance(effect, CoulombFriction) else effect for effect in case.effects)
-    return replace(case, effects=tuple(rough))
-
-
-# At 50, 52 and 59 a rough contact would have to pull, and cannot open.
-TWO_MOTIONS = pytest.param(16, marks=pytest.mark.xfail(reason="not_unique in the second formulation only", strict=True))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [TWO_MOTIONS, 50, 52, 59])
-def test_both_formulations_agree_on_rough_plates_at_a_wall(seed):
-    assert check_several_contacts(rough_case(seed)).status == "paradox"
-
-
-@pytest.mark.slow
-def test_a_rough_contact_that_could_stay_or_open_after_an_impact_has_two_motions():
-    """Of roll and flight the first formulation chooses none; the second one goes on with roll."""
-    case = rough_case(37)
-    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
-    assert motion.status == "not_unique" and "plate/wall roll; plate/wall flight" in motion.reason
-    first = second.transitions[0]
-    assert (first.contact, first.before, first.after) == ("plate/wall", Mode.FLIGHT, Mode.ROLL)
-    assert first.time == pytest.approx(motion.t[-1], abs=1e-12)
-
-
-@pytest.mark.slow
-def test_a_dropped_half_disc_is_certified():
-    case = on(0.0, HALF, CoulombFriction(0.5), *INELASTIC, start=StartPose(0.0, 0.5, 3.3))
-    certificate = reference.certify(case)
-    last = {t.contact: t.after for t in reference.simulate(case).transitions}
-    assert not certificate.missing and last == {"plate/track": Mode.ROLL, "plate/track 2": Mode.ROLL}
-    assert all(time.bar <= EXACT for _, _, time, _ in certificate.transitions)
-
-
-@pytest.mark.slow
-def test_a_slip_that_vanishes_next_to_a_wall_without_a_gap_is_no_paradox():
-    """The plate rocks into the corner of track and wall, each time 0.0025 of the last, and stops 1e-14 m from the
-    wall."""
-    motion = reference.simulate(random_case(79), rtol=1e-13)
-    assert motion.status == "completed" and motion.vx[-1] == motion.vy[-1] == motion.omega[-1] == 0.0
-    last = {t.contact: t.after for t in motion.transitions}
-    assert set(last.values()) == {Mode.ROLL} and motion.transitions[-1].time == pytest.approx(0.398556, abs=1e-6)

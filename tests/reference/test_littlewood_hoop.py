@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Mode, PerfectlyRough, Plate, Start, Unilateral
 from cases import curves as c
@@ -135,17 +134,6 @@ def test_with_finite_friction_a_hoop_let_go_at_the_top_slips_and_does_not_hop(mu
         assert all(t.after is not Mode.FLIGHT for t in answer.transitions)
         if share > 13 / 14:
             assert any(t.before is Mode.ROLL and t.after is not Mode.ROLL for t in answer.transitions)
-
-
-def test_the_catalogues_hoop_slips_to_and_fro_and_stays_down():
-    kept = cases.load("littlewood_hoop")
-    case = Case(kept.track, kept.plate, (*kept.effects, Flight(), Impact(0.0)), kept.start, kept.duration)
-    answer = solve(case)
-    assert answer.status == "completed"
-    assert [t.after for t in answer.transitions] == [
-        Mode.SLIP_BACKWARD, Mode.SLIP_FORWARD, Mode.ROLL, Mode.SLIP_BACKWARD, Mode.SLIP_FORWARD,
-    ]  # fmt: skip
-    check_against_the_first_formulation(case, answer)
 
 
 @pytest.mark.slow

@@ -10,9 +10,7 @@ from cases.library import line
 from cases.motion.trajectory import Transition
 from reference.certification import certify
 from reference.certification.witnesses import _by_second
-from reference.witness import predict
-from tests.reference.test_free_plates import random_scene
-from tests.scenes.supports import FREE, G, agree, random_case, slow, with_restitution
+from tests.scenes.supports import FREE, G
 
 SLOPE, LEAN, FLOOR, WALL, RADIUS, WAY, SPEED = 0.2, 0.35, 0.3, 0.5, 0.1, 0.3, 1.0
 
@@ -64,46 +62,6 @@ def test_the_second_formulation_ends_them_in_the_exact_time():
     second = _by_second(disc_between_floor_and_wall(), "second", 1e-13)
     assert second.status == "completed"
     check_wall(second.transitions)
-
-
-# Rods and blocks on plane and wall. Before, the two formulations ended somewhere in hops of rounding: with different
-# sequences, of up to 124 changes; 112 as `not_unique` in the second. 308 ends where one corner touches both planes.
-@pytest.mark.parametrize("seed", [264, *slow(24, 112, 200, 261, 296)])
-def test_plates_between_plane_and_wall_come_to_rest_in_both_formulations(seed):
-    agree(with_restitution(random_case(seed), 0.4 if seed == 261 else 0.2), 5e-8)
-
-
-@pytest.mark.slow
-def test_series_may_end_where_the_motion_is_not_computed_any_more():
-    case = with_restitution(random_case(308), 0.2)
-    motion, second = reference.simulate(case, rtol=1e-14), _by_second(case, "second", 1e-13)
-    assert motion.status == second.status == "breakdown" and "hold one point of the plate" in motion.reason
-    assert second.end == pytest.approx(motion.t[-1], abs=1e-10)
-
-
-# Discs that hit a third one, roll on the ground and hit it again; both formulations ended as `accumulation`.
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 88, 183])
-def test_discs_that_rattle_on_a_third_one_come_to_rest(seed):
-    one, other = reference.simulate(random_scene(seed), rtol=1e-12), predict(random_scene(seed))
-    assert one.status == other.status == "completed"
-    assert [(t.contact, t.before, t.after) for t in one.transitions] == [
-        (t.contact, t.before, t.after) for t in other.transitions
-    ]
-    assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=1e-6)
-
-
-@pytest.mark.slow
-def test_a_series_ends_at_an_impact_that_others_follow_at_the_same_instant():
-    """A disc rattles between two others and the track. Where it hits the track for the fourth time in the series, the
-    gaps of the next impacts are rounding; the second formulation looked for the end after those, and went on."""
-    one, other = reference.simulate(random_scene(268), rtol=1e-12), predict(random_scene(268))
-    assert one.status == other.status == "completed" and len(one.transitions) == 52
-    assert [(t.contact, t.before, t.after) for t in one.transitions] == [
-        (t.contact, t.before, t.after) for t in other.transitions
-    ]
-    # The ends of both series are extrapolated; measured: 2.5e-12.
-    assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=5e-11)
 
 
 @pytest.mark.slow

@@ -23,16 +23,11 @@ from cases import (
     disc,
 )
 from cases.contact import find, start_motion
-from reference.minimal import meetings
-from reference.minimal.boxes import Geometry
-from reference.minimal.meetings import MeetingSearch
-from reference.minimal.windows import windows
 from reference.witness.steps import MOST_STEPS, StepFailure
-from reference.witness.touches import Touches
 from tests.scenes import second as second_states
 from tests.scenes.event_times import agree_as_known, events
 from tests.scenes.motions import energy
-from tests.scenes.ripples import SIZE, G, closest, over_ripples, rippled
+from tests.scenes.ripples import SIZE, G, closest, rippled
 
 pytestmark = pytest.mark.taylor
 
@@ -176,62 +171,12 @@ def test_a_search_is_not_divided_where_a_shorter_one_proves_no_more():
 
 
 @pytest.mark.slow
-def test_newtons_method_ends_at_the_rounding_of_the_gap(monkeypatch):
-    """Flight 523: where the plate hardly fits, steps in time stay above 1e-10 of a box. Two of three tries went on to
-    their limit on steps, and found nothing: 12 steps on average, and the motion took 50 s instead of 29."""
-    tries, steps = [], []
-    locate, step = MeetingSearch._locate, MeetingSearch._step
-    monkeypatch.setattr(MeetingSearch, "_locate", lambda *args: tries.append(1) or locate(*args))
-    monkeypatch.setattr(MeetingSearch, "_step", lambda *args, **how: steps.append(1) or step(*args, **how))
-    motion = reference.simulate(replace(rippled(523).case, duration=0.0504))
-    assert len(motion.transitions) == 11 and len(steps) < 6 * len(tries)
-
-
-@pytest.mark.slow
-def test_few_boxes_are_halved_twice_in_a_round(monkeypatch):
-    """Flight 651: a search is one of some hundred boxes in 25 rounds, whose calls took most of its time; now 15."""
-    searches, rounds = [], []
-    first, complete = MeetingSearch.first, MeetingSearch._complete_boxes
-    monkeypatch.setattr(MeetingSearch, "first", lambda *args: searches.append(1) or first(*args))
-    monkeypatch.setattr(MeetingSearch, "_complete_boxes", lambda *args: rounds.append(1) or complete(*args))
-    reference.simulate(replace(rippled(651).case, duration=0.002))
-    assert len(searches) > 10 and len(rounds) < 20 * len(searches)
-
-
-def test_the_limit_on_a_search_is_one_for_each_size_that_the_plate_moves():
-    """A plate 1 mm above its track, that moves by its size in 20 ms, or falls by it in 3 ms."""
-    case, pace = over_ripples(1e-6, 2.5e-3, 2.5e-6, G), 5.0 / SIZE
-    for fall, rate in ((G, pace), (9e4 * SIZE, 300.0)):
-        search = MeetingSearch(Geometry.of_case(case), fall)
-        for start in (1.0, 1.02):
-            edges = np.array([start, start + 1e-3])
-            motion = windows(lambda t: np.array([5.0 * (t - 1.0), 0.101 + 0.0 * t, 0.0 * t]), edges, SIZE)
-            before = search.work
-            assert search.first(motion) is None
-            assert search.work >= before + meetings.ROUND
-            # A window's speed is a difference of places over a millisecond.
-            assert search.limit == pytest.approx(meetings.MOST_WORK * (1.0 + rate * (start - 1.0)), rel=1e-9)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [270, 522, 651])
 def test_a_flight_that_hardly_goes_on_is_unfinished(seed):
     """Nine impacts in a millisecond, with a search of 60 ms after each, or a landing that no box excludes: these took
     more than 20 s of CPU time, 522 up to a `breakdown`."""
     motion = reference.simulate(rippled(seed).case)
     assert motion.status == "unfinished" and "search for" in motion.reason and len(motion.transitions) > 40
-
-
-@pytest.mark.slow
-def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monkeypatch):
-    """A disc that rolls on ripples of 0.1 mm was looked at in each of 9,500 steps: half of the time of flight 1847."""
-    looks = []
-    monkeypatch.setattr(Touches, "_among", lambda *args: looks.append(1))
-    for height in (1e-12, 1e-8):  # these bend by 0.004 and 39 1/m, the disc by 10
-        track = Curve(("s", f"{height!r}*cos(62831.9*s)"), (-1.0, 1.0))
-        case = Case(track, disc(SIZE, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=0.1), 1e-4)
-        second_states.motion(case, rtol=1e-13)
-        assert bool(looks) == (height == 1e-8)
 
 
 @pytest.mark.slow

@@ -34,9 +34,8 @@ from cases.scene.contact_pairs import pairs
 from reference.solver.plate_numbers import senses_of
 from reference.witness import complementarity
 from reference.witness.contacts import PlateDynamics, frictions, pair_at
-from tests.scenes.agreement import check_several_contacts
+from tests.scenes.agreement import agree
 from tests.scenes.decisions import accelerations_of, decision_in
-from tests.scenes.rolling_resistance import random_scene
 from tests.scenes.supports import compare_with_matrix
 
 from .test_belts_and_supports import METHODS, motion_by
@@ -47,8 +46,6 @@ INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
 J = 0.5 * R * R
 # A few roundings of the numbers that give a time of about a second.
 EXACT = 1e-12
-# A random scene that takes little time, and ends at rest.
-QUICK = 7
 
 
 def begins_at(time: float, method: str):
@@ -206,24 +203,6 @@ def test_a_wall_that_is_not_touched_changes_nothing():
 # --- two formulations, and the paper's matrix -------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_both_formulations_agree_on_a_random_scene_that_rests():
-    """One of the random scenes; the slow tests have more."""
-    motion = check_several_contacts(random_scene(QUICK))
-    assert Mode.REST in [change.after for change in motion.transitions]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
-def test_both_formulations_agree_on_random_scenes(seed):
-    try:
-        case = random_scene(seed)
-    except DoesNotFit as problem:
-        assert "overlaps" in str(problem)  # some ellipses begin inside floor or wall
-        return
-    check_several_contacts(case)
-
-
 def _random_state(seed: int):
     """A disc in a V of two planes at rest or turning, under a random load, with random friction and resistance."""
     numbers = np.random.default_rng(seed)
@@ -328,7 +307,7 @@ def test_both_formulations_agree_for_corners_that_resist_rolling(name, mu, e, ar
     """Two corners on a line prevent a rotation by themselves: what they share with the couple is open."""
     track, plate, start, supports = CORNERS[name]
     effects = (*INELASTIC[:3], Impact(e, "moreau"), *surface(mu, arm))
-    check_several_contacts(Case(track, plate, effects, start, 1.5, supports=supports))
+    agree(Case(track, plate, effects, start, 1.5, supports=supports))
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,6 @@ from reference.witness.motion import Simulation
 from reference.witness.phase import SeveralContactPhase, WatchedContact
 from tests.scenes import second as second_states
 from tests.scenes.decisions import accelerations_of, decision_in, outputs_in
-from tests.scenes.supports import random_case
 
 G = 9.81
 
@@ -194,18 +193,6 @@ def test_a_disc_that_falls_into_a_v_rebounds_alike_by_each_law_and_formulation(l
     exact = low + e * G * hits * later - 0.5 * G * later**2
     assert reference.simulate(case)(hits + later).y == pytest.approx(exact, abs=1e-13)
     assert second_states.poses(case, [hits + later])[1, 0] == pytest.approx(exact, abs=1e-13)
-
-
-@pytest.mark.slow
-def test_an_impact_has_no_part_by_the_velocities_of_closed_contacts():
-    """A rod that lies on a plane meets a wall. By DOP853 at 1e-9 the corner on the plane had a velocity that opens its
-    contact, which was left out of the impact: the rod's next impact was 8 ms late."""
-    case = random_case(4)
-    exact = reference.simulate(case, rtol=1e-12).transitions
-    for digits in (5, 9):
-        motion = reference.simulate(case, rtol=10.0**-digits, method="dop853")
-        assert [(e.contact, e.after) for e in motion.transitions] == [(e.contact, e.after) for e in exact]
-        assert [e.time for e in motion.transitions] == pytest.approx([e.time for e in exact], rel=10.0 ** (1 - digits))
 
 
 def test_a_second_contact_without_a_law_of_impact_ends_the_motion_and_says_what_to_add():

@@ -67,11 +67,6 @@ def test_motions_are_the_same_in_threads():
 
 
 @pytest.mark.slow
-def test_the_second_integrator_is_the_same_in_threads():
-    same_in_threads([partial(bits.of_case, cases.load(label), "dop853") for label in FAMILIES], rounds=1)
-
-
-@pytest.mark.slow
 def test_samples_read_in_one_thread_while_another_simulates():
     chosen = [cases.load("disc_in_circle", mu=mu) for mu in (0.01, 0.1, 0.2)]
     alone = [bits.of_case(case) for case in chosen]
@@ -131,14 +126,6 @@ def test_threads_that_derive_everything_at_once(tmp_path):
 def test_the_whole_catalogue_is_the_same_in_threads(method):
     chosen = [case for name in cases.names() for case in cases.select(name)]
     same_in_threads([partial(bits.of_case, case, method) for case in chosen], rounds=8 if method == "taylor" else 1)
-
-
-@pytest.mark.slow
-def test_many_certificates_and_sweeps_are_the_same_in_threads():
-    labels = ["disc_in_circle[mu=0.2]", "disc_on_line[mu=0.1]", "bouncing_disc", "disc_rolling_to_rest"]
-    certificates = [partial(bits.of_certificate, label) for label in labels]
-    sweeps = [partial(bits.of_sweep, name, vary) for name, vary in SWEPT.items()]
-    same_in_threads([*certificates, *sweeps], rounds=1)
 
 
 # --- what threads share, part by part ---------------------------------------------------------------------------------

@@ -1,97 +1,88 @@
-"""Agreement of the formulations on the whole sequence of a motion: one function for all random scenes."""
+"""What contradicts a motion: the second formulation, a law of mechanics, or the same motion begun in its middle."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import remainder
+from math import inf, isfinite, remainder
 
 import numpy as np
-import pytest
 
 import reference
-from cases import Case, Trajectory, Transition
+from cases import Belt, Case, Chain, Curve, Drive, Load, Trajectory, Transition
+from cases.effects import MOTION
 from cases.motion.trajectory import CONTACT
+from cases.moving_surface import TIME as INSTANT
 from cases.scene.free_plates import names_of, plates_of
-from reference.certification.witnesses import _by_second
 from reference.endings import CAUSES
-from tests.scenes import second as second_states
+from reference.witness import predict
+from tests.composition.confirm import resumed
 
 # Two integrations at 1e-13 over seconds: rounding grows with the motion; a grazing slip loses the square root of it.
 TIME, STATE = 1e-8, 1e-6
-
-
-def check_same_sequence(case: Case, literal: bool = False) -> None:
-    """Assert that both formulations have the same sequence of modes, the same ending, times within TIME (s) and motions
-    within STATE; with `literal`, also the paper's matrix and the eliminated equations.
-
-    The matrix is slow, takes 1e-10, and is compared with the eliminated equations by the same steps. A motion of 1e-13
-    may differ by more: by 1.4e-8 s where the last bounce of an ellipse on a shaken wave is 9.8e-8 s later for a start
-    that is 1e-8 m farther. By the same steps the two differ by 7.6e-14 s there.
-    """
-    motion = reference.simulate(case, rtol=1e-13)
-    problem = _difference_of_second(case, motion)
-    assert not problem, f"second formulation: {problem}: {case}"
-    if literal:
-        printed, eliminated = (reference.simulate(case, rtol=1e-10, method=m) for m in ("augmented", "dop853"))
-        problem = _difference_of_sequence(eliminated, printed)
-        assert not problem, f"paper's matrix: {problem}: {case}"
-
-
-def _difference_of_second(case: Case, motion: Trajectory) -> str:
-    """How the second formulation's motion differs; "" if it agrees."""
-    times = np.linspace(0.0, 0.999 * min(case.duration, motion.t[-1]), 9)
-    second = second_states.solve(case, rtol=1e-13, times=times)
-    problem = _difference_of_sequence(motion, second)
-    if problem:
-        return problem
-    if abs(second.end - motion.t[-1]) > TIME:
-        return f"it ends at {second.end:.12g} s instead of {motion.t[-1]:.12g} s"
-    state = motion(times)
-    rows = np.array([getattr(state, name) for name in second_states.MOTION])
-    distance = np.abs(rows - second.motions)
-    both = ~np.isnan(distance)
-    worst = float(np.max(distance, where=both, initial=0.0))
-    return f"its motion is {worst:.3g} away" if worst > STATE else ""
-
-
-def _difference_of_sequence(motion: Trajectory, other) -> str:
-    """How transitions and status of another motion differ; "" if they agree."""
-    here, there = ([(t.before, t.after) for t in each.transitions] for each in (motion, other))
-    if here != there:
-        return f"its modes are {there} instead of {here}"
-    if other.status != motion.status:
-        return f"its status is {other.status} instead of {motion.status}"
-    late = [abs(a.time - b.time) for a, b in zip(other.transitions, motion.transitions, strict=True)]
-    return f"a transition is {max(late):.3g} s away" if max(late, default=0.0) > TIME else ""
-
-
+# Transitions within this time (s) are at one instant, in an order that is no fact.
+INSTANTLY = 1e-9
 # Impacts within this time (s) before bouncing comes to rest close with about a thousandth of the largest speed: which
 # of them are small, and so not listed, depends on where a formulation begins to count.
 SMALL_IMPACTS = 2e-3
+# Where the second formulation goes no further: motions agree up to there.
+ENDS_EARLY = "second_contact", "breakdown"
 
 
-def check_several_contacts(case: Case) -> Trajectory:
-    """Assert that both formulations of a motion with several contacts have the same transitions, end and poses; returns
-    the motion. Transitions are compared by time and place: the second formulation numbers contacts otherwise."""
-    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
-    assert motion.status == second.status
-    assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
-    outlines = {name: plate.outline for name, plate in zip(names_of(case), plates_of(case), strict=True)}
-    rests = [t.time for t in motion.transitions if t.cause == CAUSES["rest"]]
-    ours, theirs = (in_order(each, rests) for each in (motion.transitions, second.transitions))
-    assert [(t.before, t.after) for t in ours] == [(t.before, t.after) for t in theirs]
-    for a, b in zip(ours, theirs, strict=True):
-        assert a.time == pytest.approx(b.time, abs=1e-9)
-        off = a.xi1 - b.xi1
-        if (base := curve_of(a).partition("/")[2]) in outlines:  # up to whole rounds of the outline
-            off = remainder(off, outlines[base].span[1] - outlines[base].span[0])
-        assert abs(off) < 1e-7
-        assert curve_of(a) == curve_of(b)
-    times = float(motion.t[-1]) * np.array([0.3, 0.6, 0.9]) if motion.t[-1] else np.empty(0)
-    poses, states = motion(times), second_states.poses(case, times, 1e-12)
-    for name, row in zip(("x", "y", "theta"), states[:3] if len(times) else (), strict=False):
-        np.testing.assert_allclose(getattr(poses, name), row, rtol=0.0, atol=1e-8)
+def agree(case: Case, within: float = TIME, method: str | None = None) -> Trajectory:
+    """The motion of a case; raises AssertionError where the second formulation has other transitions, another end or
+    another pose there, by more than `within` (s) and STATE, where it breaks a law, or where its rest from its middle
+    differs."""
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    problem = unlike_second(case, motion, within) or "; ".join(map(str, reference.check(case, motion)))
+    assert not problem, f"{problem}: {case}"
+    problem = "" if _is_in_time(case) else resumed(case, motion)
+    assert not problem, f"resumed: {problem}: {case}"
     return motion
+
+
+def unlike_second(case: Case, motion: Trajectory, within: float = TIME) -> str:
+    """How the second formulation's motion differs, in words; "" if it agrees as far as it goes."""
+    second = predict(case, 1e-13)
+    is_early = second.status in ENDS_EARLY and second.status != motion.status
+    problem = unlike(case, motion.transitions, second.transitions, within, second.end if is_early else inf)
+    if problem or is_early:
+        return problem
+    if second.status != motion.status:
+        return f"its status is {second.status} instead of {motion.status}"
+    if abs(second.end - motion.t[-1]) > within:
+        return f"it ends at {second.end:.12g} s instead of {motion.t[-1]:.12g} s"
+    now = [motion.plate(name)(motion.t[-1]) for name in names_of(case)]
+    poses = np.array([(one.x, one.y, one.theta) for one in now]).ravel()
+    far = float(np.abs(poses - second.body[: len(poses)]).max())
+    return f"its last pose is {far:.3g} away" if far > STATE else ""
+
+
+def unlike(case: Case, ours: Iterable[Transition], theirs: Iterable[Transition], within: float, end: float) -> str:
+    """How one list of transitions differs from another before `end` (s), in words. They are compared by curve, time,
+    modes and place: formulations may number the contacts of one curve otherwise."""
+    rests = [t.time for t in ours if t.cause == CAUSES["rest"]]
+    one, other = (in_order([t for t in some if t.time < end - within], rests) for some in (ours, theirs))
+    if [(curve_of(t), t.before, t.after) for t in one] != [(curve_of(t), t.before, t.after) for t in other]:
+        return "\n".join(
+            str([(curve_of(t), t.time, str(t.before), str(t.after)) for t in some]) for some in (one, other)
+        )
+    late = max((abs(a.time - b.time) for a, b in zip(one, other, strict=True)), default=0.0)
+    if late > within:
+        return f"a transition is {late:.3g} s away"
+    rounds = {name: _round(plate.outline) for name, plate in zip(names_of(case), plates_of(case), strict=True)}
+    rounds |= {support.name: _round(support.curve) for support in case.supports}
+    for a, b in zip(one, other, strict=True):
+        whole = rounds.get(curve_of(a).partition("/")[2], _round(case.track))
+        off = remainder(a.xi1 - b.xi1, whole) if isfinite(whole) else a.xi1 - b.xi1
+        if abs(off) > STATE:
+            return f"the place of the transition at {a.time:.9g} s is {off:.3g} away"
+    return ""
+
+
+def _round(curve: Curve) -> float:
+    """How far the parameter goes in one round of a closed curve; infinite for others."""
+    is_closed = curve.is_closed if isinstance(curve, Chain) else curve.period
+    return curve.span[1] - curve.span[0] if is_closed else inf
 
 
 def curve_of(transition: Transition) -> str:
@@ -99,12 +90,24 @@ def curve_of(transition: Transition) -> str:
     return (transition.contact or CONTACT).partition(" ")[0]
 
 
-def in_order(transitions: Iterable[Transition], rests: Sequence[float]) -> list[Transition]:
+def in_order(transitions: Sequence[Transition], rests: Sequence[float]) -> list[Transition]:
     """Transitions by time, those of one instant by contact's curve and place, without small impacts before `rests`."""
-    some = [t for t in transitions if not any(-SMALL_IMPACTS < t.time - rest < -1e-9 for rest in rests)]
+    some = [t for t in transitions if not any(-SMALL_IMPACTS < t.time - rest < -INSTANTLY for rest in rests)]
     result, begin = list[Transition](), 0
     for k, one in enumerate(some):
-        if k + 1 == len(some) or some[k + 1].time - one.time > 1e-9:
+        if k + 1 == len(some) or some[k + 1].time - one.time > INSTANTLY:
             result += sorted(some[begin : k + 1], key=lambda t: (curve_of(t), round(t.xi1, 6)))
             begin = k + 1
     return result
+
+
+def _is_in_time(case: Case) -> bool:
+    """Whether a load, a belt or a drive has a formula with the time in it."""
+    effects = [*case.effects, *(e for support in case.supports for e in support.effects or ())]
+    effects += [other.load for other in case.others if other.load] + [e for pair in case.pairs for e in pair.effects]
+    formulas = []
+    for effect in effects:
+        if isinstance(effect, Load | Belt | Drive):
+            own = effect.expression
+            formulas += [*own] if isinstance(own, tuple | list) else [own]
+    return any({MOTION[0], INSTANT} & getattr(formula, "free_symbols", set()) for formula in formulas)

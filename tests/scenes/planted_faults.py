@@ -30,8 +30,9 @@ from cases import (
     Unilateral,
     disc,
 )
-from tests.scenes import loads, rolling_resistance, several_laws, slip_laws, supports
-from tests.scenes.moving import Adhesion, random_scenes
+from tests.composition.build import drawn
+from tests.scenes import loads, slip_laws
+from tests.scenes.moving import Adhesion
 from tests.scenes.planted_motions import (
     MORE,
     Change,
@@ -345,10 +346,8 @@ def _no_friction(case: Case) -> Case | None:
 FAMILIES: dict[str, Callable[[int], Case]] = {
     "loads": lambda seed: loads.scene(np.random.default_rng(seed))[0],
     "friction by the slip speed": lambda seed: slip_laws.random_scene(np.random.default_rng(seed)),
-    "supports": supports.random_case,
-    "several laws": several_laws.random_scene,
-    "rolling resistance": rolling_resistance.random_scene,
-    "belts": lambda seed: next(iter(random_scenes("belts", seed, 1))),
+    "all features": drawn,
+    "all features, others": lambda seed: drawn(seed + 100),
 }
 
 # What the check does not see, with the reason.

@@ -1,9 +1,7 @@
 """Scenes on supports: random ones, and their motions compared in two formulations and with the paper's matrix."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import lru_cache
-from math import pi
 
 import numpy as np
 import pytest
@@ -11,23 +9,15 @@ import pytest
 import reference
 from cases import (
     Case,
-    CoulombFriction,
     Curve,
     Flight,
     Gravity,
     Impact,
     Mode,
-    Outline,
-    Plate,
-    StartPose,
-    Support,
     Unilateral,
-    disc,
 )  # fmt: skip
 from cases.curves import cos as cosine
 from cases.curves import sin as sine
-from cases.library import line
-from reference.certification.witnesses import _by_second
 from reference.paper.bodies import BodyContact, solve_bodies
 from reference.solver.regimes import SolverPhase, pair_of, regime_of
 
@@ -59,45 +49,6 @@ def slow(*values):
 def simulated(case: Case):
     """The motion at the finest tolerance, computed once for tests of the same scene."""
     return reference.simulate(case, rtol=1e-14)
-
-
-def agree(case: Case, within: float = 1e-11) -> int:
-    """Compare both formulations' whole sequences, and the laws where the second one ends; returns the number of changes
-    that both have, or raises AssertionError."""
-    motion, second = simulated(case), _by_second(case, "second", 1e-13)
-    changes, count = events(motion), len(motion.transitions)
-    if second.status == "breakdown":  # where two contacts hold one point of the plate, the first formulation goes on
-        assert not reference.check(case, motion)
-        count = len(second.transitions)
-    else:
-        assert second.status == motion.status
-    assert events(second) == changes[:count]
-    for one, other in zip(motion.transitions[:count], second.transitions, strict=True):
-        assert abs(one.time - other.time) < within
-    return count
-
-
-def random_case(seed: int) -> Case:
-    """A rod, block or disc on a plane and a wall, tilted, thrown or let go, with random friction."""
-    numbers = np.random.default_rng(seed)
-    kind = int(numbers.integers(3))
-    plate = (
-        disc(0.3, 1.0), Plate.rectangle(*numbers.uniform(0.2, 0.8, 2), 1.0),
-        Plate(Outline.polygon([(-0.5, -0.01), (0.5, -0.01), (0.5, 0.0), (-0.5, 0.0)]), 1.0, 1.0 / 12.0),
-    )[kind]  # fmt: skip
-    slope, lean = numbers.uniform(-0.4, 0.4), numbers.uniform(-0.3, 0.3)
-    frictions = [(CoulombFriction(mu),) if mu > 0.15 else () for mu in numbers.uniform(0.0, 1.2, 2).tolist()]
-    wall = Support(line(pi / 2 + lean), "wall", frictions[1])
-    theta, omega = numbers.uniform(-3.0, 3.0), numbers.uniform(-4.0, 4.0)
-    vx, vy = numbers.uniform(-3.0, 1.0, 2).tolist()
-    start = StartPose(1.2, 1.2, float(theta), vx, vy, float(omega))
-    return Case(line(slope), plate, (*INELASTIC, *frictions[0]), start, 1.2, supports=(wall,))
-
-
-def with_restitution(case: Case, e: float, law: str = "moreau") -> Case:
-    """A case with other restitution."""
-    effects = (Impact(e, law) if isinstance(effect, Impact) else effect for effect in case.effects)
-    return replace(case, effects=tuple(effects))
 
 
 def compare_with_matrix(scenes: Iterable[Case]) -> list[list[Mode]]:
