@@ -35,9 +35,9 @@ def solve_stack(
 
 
 class ImpactModes(NamedTuple):
-    """Combinations of modes of an impact, (combinations, n) each: which contacts have impulses, which of these end the
-    slip, and the senses of slip of the others; and the senses of the resisted rotations, (combinations, m): NaN where
-    no contact with an impulse resists."""
+    """Combinations of modes of an impact, (combinations, n) each: which contacts have impulses above their least ones,
+    which end the slip, and the senses of slip of the others; and the senses of the resisted rotations, (combinations,
+    m): NaN where no contact with an impulse resists."""
 
     closed: np.ndarray
     sticking: np.ndarray
@@ -47,13 +47,13 @@ class ImpactModes(NamedTuple):
 
 def impact_exclusions(
     modes: ImpactModes, inverse: np.ndarray, rows: np.ndarray, before: np.ndarray, restitution: np.ndarray,
-    mu: np.ndarray, arms: np.ndarray, gyration: float, small: float,
+    least: np.ndarray, mu: np.ndarray, arms: np.ndarray, gyration: float, small: float,
 ) -> np.ndarray:  # fmt: skip
     """Whether impulses or velocities after an impact violate its law clearly, (combinations,).
 
     `rows`: of lift and slip velocities and resisted rotations, (2n + m, 3N); `before`: these velocities, (2n + m,),
-    m/s; `arms`: of the resistance of each contact to each rotation, (n, m), m; `gyration`: the length that makes
-    rotations velocities, m; `small`: the velocities' rounding.
+    m/s; `least`: the least normal impulses, (n,); `arms`: of the resistance of each contact to each rotation, (n, m),
+    m; `gyration`: the length that makes rotations velocities, m; `small`: the velocities' rounding.
     """
     closed, sticking, signs, senses = modes
     n, finite = len(mu), np.where(np.isfinite(mu), mu, 0.0)
@@ -66,11 +66,15 @@ def impact_exclusions(
         mix = np.tile(np.eye(len(before)), (len(used[some]), 1, 1))
         mix[:, range(n, 2 * n), range(n)] -= signs[some] * finite
         mix[:, 2 * n :, :n] -= senses[some][:, :, None] * arms.T / gyration
-        regular, values = solve_stack(delassus, mix, used[some], goals, REGULAR)
-        after = before + (mix[regular] @ values[..., None])[..., 0] @ delassus
+        given = np.zeros((len(mix), len(before)))  # of contacts that open, the least impulses
+        given[:, :n] = np.where(closed[some], 0.0, least)
+        offset = (mix @ given[..., None])[..., 0] @ delassus
+        regular, values = solve_stack(delassus, mix, used[some], goals - offset, REGULAR)
+        after = before + offset[regular] + (mix[regular] @ values[..., None])[..., 0] @ delassus
+        values[:, :n] += given[regular, :n]
         normal, friction, limit = values[:, :n], values[:, n : 2 * n], CLEARLY * small
         shut, slips, turns = closed[some][regular], signs[some][regular], senses[some][regular]
-        violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < -limit))
+        violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < least - limit))
         violations |= slips * after[:, n : 2 * n] < -limit
         violations |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
         turning = turns * after[:, 2 * n :] < -limit

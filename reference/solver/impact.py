@@ -10,8 +10,8 @@ that. Where one plate touches in one place, Routh's construction of `minimal.imp
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import combinations, product
+from collections.abc import Iterator, Sequence
+from itertools import combinations, islice, product
 from math import inf, nan
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from cases import Case
 from ..effect_laws.restitution import impact_law
 from ..minimal.impact import ContactVelocity, collide, law_of
 from ..scales import power_of_two
-from .exclusion import ImpactModes, impact_exclusions
+from .exclusion import TOGETHER, ImpactModes, impact_exclusions
 from .impact_modes import (
     BACKWARD,
     FORWARD,
@@ -32,11 +32,16 @@ from .impact_modes import (
     STICK,
     ImpactLaw,
     ImpactVelocities,
+    LeastSenses,
     TouchedContact,
     in_modes,
+    senses_of_least,
 )
 from .places import ContactPlace, couple_of
-from .plate_numbers import Turns, bodies, senses_of, turning_row
+from .plate_numbers import Sides, Turns, bodies, senses_of, turning_row
+
+# The modes of all contacts, the senses of the rotations that they resist, and of the friction of least impulses.
+ImpactCombination = tuple[tuple[str, ...], Turns, LeastSenses]
 
 
 class NoImpact(ArithmeticError):
@@ -87,16 +92,20 @@ def _collide(
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
     alike = _with_one_slip(inertia, places_hit, law)
-    possible = [
-        (modes, turns) for modes in product(*options)
+    possible = (
+        (modes, turns, senses) for modes in product(*options)
         if all(modes[i] == modes[j] or OPEN in (modes[i], modes[j]) for i, j in alike)
         for turns in _turns(modes, places_hit, law)
-    ]  # fmt: skip
-    law = law._replace(gyration=inertia.lengths[2])
-    if not law.least.any():
-        possible = _possible(possible, inertia, before, places_hit, law, speed)
-    for modes, turns in possible:
-        for one in in_modes(modes, before, places_hit, law._replace(turns=turns), inertia.inverse, speed):
+        for senses in senses_of_least(modes, law)
+    )  # fmt: skip
+    law, known = law._replace(gyration=inertia.lengths[2]), set[tuple]()
+    for modes, turns, senses in _possible(possible, inertia, before, places_hit, law, speed):
+        if (modes, turns) in known:
+            continue
+        some = in_modes(modes, before, places_hit, law._replace(turns=turns), senses, inertia.inverse, speed)
+        if some:
+            known.add((modes, turns))
+        for one in some:
             if all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
                 solutions.append(one)
     if len(solutions) != 1:
@@ -106,28 +115,37 @@ def _collide(
 
 
 def _possible(
-    modes: list[tuple[tuple[str, ...], Turns]], inertia: Inertia, before: np.ndarray,
-    places_hit: Sequence[TouchedContact], law: ImpactLaw, speed: float,
-) -> list[tuple[tuple[str, ...], Turns]]:  # fmt: skip
-    """The combinations, with the senses of resisted rotations, that their impulses and velocities do not exclude."""
-    closed, sticking = (
-        np.array([[test(mode) for mode in one] for one, _ in modes]) for test in (OPEN.__ne__, STICK.__eq__)
-    )
-    signs = np.array([[SIGN.get(mode, 0.0) for mode in one] for one, _ in modes]) * (np.array(law.mu) > 0.0)
-    resisting = list(dict.fromkeys(sides for _, turns in modes for sides, _ in turns))
-    senses = np.array([[dict(turns).get(sides, nan) for sides in resisting] for _, turns in modes])
-    turning = [law.gyration * turning_row(sides, len(before)) for sides in resisting]
-    arms = np.array(
-        [[arm * (at.sides == sides) for sides in resisting] for at, arm in zip(places_hit, law.arms, strict=True)]
-    )
-    rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit] + turning)
-    count = len(places_hit)
-    velocities = rows @ before - np.concatenate([np.zeros(count), law.belts, np.zeros(len(turning))])
-    some = ImpactModes(closed, sticking, signs, senses)
-    without = impact_exclusions(
-        some, inertia.inverse, rows, velocities, law.restitution, np.array(law.mu), arms, law.gyration, ROUNDING * speed
-    )
-    return [one for one, is_out in zip(modes, without, strict=True) if not is_out]
+    modes: Iterator[ImpactCombination], inertia: Inertia, before: np.ndarray, places_hit: Sequence[TouchedContact],
+    law: ImpactLaw, speed: float,
+) -> Iterator[ImpactCombination]:  # fmt: skip
+    """The combinations, with the senses of resisted rotations and of the friction of least impulses, that their
+    impulses and velocities do not exclude."""
+    while some := list(islice(modes, TOGETHER)):
+        resisting = list(dict.fromkeys(sides for _, turns, _ in some for sides, _ in turns))
+        turning = [law.gyration * turning_row(sides, len(before)) for sides in resisting]
+        rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit] + turning)
+        velocities = rows @ before
+        velocities[len(places_hit) : 2 * len(places_hit)] -= law.belts
+        arms = [
+            [arm * (at.sides == sides) for sides in resisting] for at, arm in zip(places_hit, law.arms, strict=True)
+        ]
+        without = impact_exclusions(
+            _as_arrays(some, resisting, law), inertia.inverse, rows, velocities, law.restitution, law.least,
+            np.array(law.mu), np.array(arms), law.gyration, ROUNDING * speed,
+        )  # fmt: skip
+        yield from (one for one, is_out in zip(some, without, strict=True) if not is_out)
+
+
+def _as_arrays(some: Sequence[ImpactCombination], resisting: Sequence[Sides], law: ImpactLaw) -> ImpactModes:
+    """The combinations as arrays."""
+    closed = np.array([[mode != OPEN for mode in modes] for modes, _, _ in some])
+    signs = np.array([[SIGN.get(mode, 0.0) for mode in modes] for modes, _, _ in some]) * (np.array(law.mu) > 0.0)
+    sticking = np.array([[mode == STICK for mode in modes] for modes, _, _ in some])
+    for i, (_, _, senses) in enumerate(some):
+        for k, sense in senses:
+            signs[i, k], sticking[i, k] = sense, sense == 0.0
+    turning = np.array([[dict(turns).get(sides, nan) for sides in resisting] for _, turns, _ in some])
+    return ImpactModes(closed, sticking, signs, turning)
 
 
 def _turns(modes: Sequence[str], places_hit: Sequence[TouchedContact], law: ImpactLaw) -> list[Turns]:

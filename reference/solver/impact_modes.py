@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from math import inf
 from typing import NamedTuple, Protocol
@@ -21,6 +21,10 @@ STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
 SIGN = {FORWARD: 1.0, BACKWARD: -1.0}
 # In place of a contact's number, less the number of a pair of plates: the couple that ends their rotation.
 COUPLE = -1
+
+
+# Of contacts with no more than their least impulse: their numbers, and the sense of their slip after it (0: none).
+LeastSenses = tuple[tuple[int, float], ...]
 
 
 class ImpactVelocities(NamedTuple):
@@ -68,25 +72,30 @@ class ImpactLaw(NamedTuple):
         return -sense * self.arms[k] * at.turning_row if sense else 0.0
 
 
-def in_modes(modes, before, places_hit, law: ImpactLaw, compliance, speed) -> list[tuple[ImpactVelocities, np.ndarray]]:
-    """The outcomes in these modes that are consistent: the extreme ones where impulses may differ that change no
-    velocity of a closed contact, but the plate's."""
-    # A least impulse has friction of its own; its direction is that of the slip after the impact.
+def senses_of_least(modes: Sequence[str], law: ImpactLaw) -> Iterator[LeastSenses]:
+    """The senses that the friction of least impulses may have: each has one of its own, against the slip after the
+    impact."""
     rubbing = [k for k, mode in enumerate(modes) if mode == OPEN and law.least[k] > 0.0 and law.mu[k] > 0.0]
     for values in product(*((0.0,) if law.mu[k] == inf else (1.0, -1.0, 0.0) for k in rubbing)):
-        senses = dict(zip(rubbing, values, strict=True))
-        rows, columns, goals, which, change = _impulses(modes, before, places_hit, law, senses)
-        solution = _solve(rows, columns, goals, change, compliance, speed)
-        if solution is None:
-            continue
-        turning = compliance[:, None] * (np.array(columns).T @ solution[2]) if rows else np.zeros((len(before), 0))
-        members = [solution]
-        if not rubbing and turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
-            members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
-        outcomes = [_check(modes, before, places_hit, law, speed, one, which, senses) for one in members]
-        if consistent := [one for one in outcomes if one is not None]:
-            return consistent
-    return []
+        yield tuple(zip(rubbing, values, strict=True))
+
+
+def in_modes(
+    modes, before, places_hit, law: ImpactLaw, least: LeastSenses, compliance, speed
+) -> list[tuple[ImpactVelocities, np.ndarray]]:
+    """The outcomes in these modes that are consistent: the extreme ones where impulses may differ that change no
+    velocity of a closed contact, but the plate's."""
+    senses = dict(least)
+    rows, columns, goals, which, change = _impulses(modes, before, places_hit, law, senses)
+    solution = _solve(rows, columns, goals, change, compliance, speed)
+    if solution is None:
+        return []
+    turning = compliance[:, None] * (np.array(columns).T @ solution[2]) if rows else np.zeros((len(before), 0))
+    members = [solution]
+    if not senses and turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
+        members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
+    outcomes = [_check(modes, before, places_hit, law, speed, one, which, senses) for one in members]
+    return [one for one in outcomes if one is not None]
 
 
 def _impulses(modes, before, places_hit, law: ImpactLaw, senses: dict[int, float]) -> tuple:
