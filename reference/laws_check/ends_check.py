@@ -9,7 +9,7 @@ import numpy as np
 from cases import Chain, Curve, Impact, Mode, StartPose, Trajectory, Unilateral
 from cases.contact.geometry import level_parameter
 from cases.motion.trajectory import CONTACT
-from cases.scene.free_plates import names_of, plates_of
+from cases.scene.free_plates import names_of
 from cases.scene.supports import TRACK, base_of
 
 from ..endings import (
@@ -197,39 +197,31 @@ def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
 
 def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
     """A plate meets a curve in a place where it is not in contact."""
-    if len(plates_of(samples.case)) > 1:
-        return
-    every = [_free_gaps(samples, *pair) for pair in _curve_pairs(samples)]
-    if None not in every:
-        least = min((gap for gaps in every for gap in gaps or ()), default=np.inf)
+    if (least := _least_gap(samples)) is not None:
         yield _one("plate meets a curve", "", end, least, scales.extent, "m", MEETS)
 
 
-def _curve_pairs(samples: MotionSamples) -> Iterator[tuple[int, str, Curve]]:
-    """Each plate with the track and each support: its number, the contact's base and the curve."""
+def _least_gap(samples: MotionSamples) -> float | None:
+    """The least gap (m) at the end of a motion between its plate and a curve; None if it is not known, as of several
+    plates."""
     case = samples.case
     curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
-    return ((body, name, curve) for body in range(len(plates_of(case))) for name, curve in curves)
+    every = [None] if case.others else [_free_gaps(samples, *one) for one in curves]
+    return None if None in every else min((gap for gaps in every for gap in gaps or ()), default=np.inf)
 
 
-def _free_gaps(samples: MotionSamples, body: int, base: str, curve: Curve) -> list[float] | None:
-    """The gaps at the end of a motion between a plate and a curve, but for those of closed contacts; None where they
+def _free_gaps(samples: MotionSamples, base: str, curve: Curve) -> list[float] | None:
+    """The gaps at the end of a motion between its plate and a curve, but for those of closed contacts; None where they
     are not known."""
     step = len(samples.start) - 1
-    plates, plate = plates_at(samples, step, -1), plates_of(samples.case)[body]
-    rows = [
-        (contact, row_of(contact, step))
-        for contact in samples.contacts
-        if contact.law.body == body and base_of(contact.law.name) == base
-    ]
+    plates = plates_at(samples, step, -1)
+    rows = [(one, row_of(one, step)) for one in samples.contacts if base_of(one.law.name) == base]
     closed = [float(contact.xi1[row, -1]) for contact, row in rows if row is not None]
-    return meeting_gaps(curve, plate, complex(plates.place[body]), complex(plates.turn[body]), closed)
+    return meeting_gaps(curve, samples.case.plate, complex(plates.place[0]), complex(plates.turn[0]), closed)
 
 
 def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
     """Whether a plate may meet something at the end of a motion that it does not touch: of several plates that is not
     known."""
-    if is_impact(samples, scales, rtol) or samples.case.others:
-        return True
-    every = [_free_gaps(samples, *pair) for pair in _curve_pairs(samples)]
-    return any(gaps is None or any(gap < (MEETS + PARTS * rtol) * scales.extent for gap in gaps) for gaps in every)
+    least = None if is_impact(samples, scales, rtol) else _least_gap(samples)
+    return least is None or least < (MEETS + PARTS * rtol) * scales.extent

@@ -13,8 +13,9 @@ from cases.contact.nearest_samples import nearest_samples
 from cases.contact.pair_search import pair_search
 from cases.errors import DoesNotFit
 
-# Of the pairs of samples that are nearer than their neighbours the nearest are refined.
-MOST_PAIRS = 8
+# Of the pairs of samples that are nearer than their neighbours the nearest are refined, and nodes of the curve's
+# features around them, within this part of the plate's reach.
+MOST_PAIRS, MOST_NODES, NEAR = 8, 1000, 0.1
 
 
 def meeting_gaps(curve: Curve, plate: Plate, place: complex, turn: complex, closed: list[float]) -> list[float] | None:
@@ -24,7 +25,14 @@ def meeting_gaps(curve: Curve, plate: Plate, place: complex, turn: complex, clos
     if any(isinstance(each, Chain) or each.parts is not None for each in (curve, outline)):
         return None
     result, search = list[float](), pair_search(curve, outline)
-    for near in nearest_samples(curve, outline, *pose)[:MOST_PAIRS]:
+    starts = nearest_samples(curve, outline, *pose)[:MOST_PAIRS]
+    features = curve.features
+    for xi1, xi2 in starts if features is not None else ():
+        assert features is not None
+        away, ends = NEAR * plate.reach / float(curve.speed(xi1)), curve.ends or (-np.inf, np.inf)
+        nodes = np.clip(features.nodes(xi1 - away, xi1 + away)[:MOST_NODES], *ends)
+        starts = [*starts, *((one, xi2) for one in nodes.tolist())]
+    for near in starts:
         with suppress(DoesNotFit):  # no common normal near there
             pair = search(*pose, near)
             apart = 1e-5 * plate.reach / float(curve.speed(pair.xi1))

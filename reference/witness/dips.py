@@ -11,9 +11,8 @@ of the motion's time scale and of every feature's length, so that the second der
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -64,32 +63,30 @@ class Dips:
 
     def __init__(self, watch_from: float):
         self.watch_from = watch_from
-        self._time, self._values, self._slopes = inf, dict[Any, float](), dict[Any, float]()
+        self._looks: list[tuple[float, Mapping[Any, float]]] = []  # the last two
 
     def first(
         self, value: Callable[[Any, float], float], start: float, end: float, values: Mapping[Any, float]
     ) -> float | None:
         """A time in the step from `start` to `end` at which a guard that is positive at both is not, s; None if there
         is none. `value` maps a guard's name and a time to a number; `values` are those at the end, by name."""
-        start = max(start, self.watch_from)
+        start, time = max(start, self.watch_from), end
         if start >= end:
             return None
-        before = self._values if self._time == start else {}
-        slopes = {name: (values[name] - value) / (end - start) for name, value in before.items() if name in values}
-        time = end
+        looks = [*self._looks, (end, values)] if self._looks and self._looks[-1][0] == start else [(end, values)]
         for name, last in values.items():
-            if last > 0.0 and not self._is_far(name, last, slopes, end - start):
+            if last > 0.0 and not _is_far(name, looks):
                 time = min(time, excursion(partial(value, name), start, time) or time)
-        if time < end:
-            return time
-        self._time, self._values, self._slopes = end, dict(values), slopes
-        return None
+        self._looks = looks[-2:]
+        return time if time < end else None
 
-    def _is_far(self, name: Any, last: float, slopes: Mapping[Any, float], step: float) -> bool:
-        """Whether a guard rises in this step and the last, or is farther from zero than it changes in this step or, at
-        the last step's rate, in as long a time before. A quadratic function that is lowest inside this step falls in
-        the last, and changes by four times its depth below the step's ends."""
-        if name not in slopes or name not in self._slopes:
-            return False
-        now, before = slopes[name], self._slopes[name]
-        return (now > 0.0 and before > 0.0) or min(last, self._values[name]) > step * max(abs(now), abs(before))
+
+def _is_far(name: Any, looks: Sequence[tuple[float, Mapping[Any, float]]]) -> bool:
+    """Whether a guard rises in both steps between three looks, or is farther from zero than it changes in the last one
+    or, at the first one's rate, in as long a time. A quadratic function that is lowest inside the last step falls in
+    the first, and changes by four times its depth below the step's ends."""
+    if len(looks) < 3 or any(name not in values for _, values in looks):
+        return False
+    (t0, a), (t1, b), (t2, c) = ((t, values[name]) for t, values in looks)
+    before, now = (b - a) / (t1 - t0), (c - b) / (t2 - t1)
+    return (now > 0.0 and before > 0.0) or min(b, c) > (t2 - t1) * max(abs(now), abs(before))

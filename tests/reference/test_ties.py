@@ -1,7 +1,7 @@
 """Thresholds that are met exactly: the motion is the limit that both sides share, whatever the roundings are."""
 
 from dataclasses import replace
-from math import cos, sin
+from math import cos, sin, sqrt
 
 import numpy as np
 import pytest
@@ -28,6 +28,7 @@ from cases import (
 from cases.library import line
 from reference import witness
 from tests.scenes import second as second_states
+from tests.scenes.planted_motions import nearly_lifted
 from tests.scenes.ties import KINDS, tie
 
 G = 9.81
@@ -57,6 +58,15 @@ def test_thrown_cube_of_mu_one_slides_flat_to_rest(method):
 
 
 @METHODS
+def test_a_plate_without_friction_lifts_off_where_its_load_is_its_weight(method):
+    """g (1 + 1e-9) − 100 (t − 1/2)² = g at t = 1/2 − √(1e-11 g); it once ended as Painlevé's paradox."""
+    case = nearly_lifted(1e-9)
+    motion = reference.simulate(case, rtol=1e-12, method=method)
+    assert motion.status == "lift_off" and reference.check(case, motion, 1e-12) == ()
+    assert motion.t[-1] == pytest.approx(0.5 - sqrt(1e-11 * G), abs=1e-11)
+
+
+@METHODS
 def test_disc_that_rolls_into_a_wall_goes_up_it(method):
     """It rolls from v₀/(3 μ g) on; at the wall friction lifts it by 2 μ v₀/3, and it lands after that, over g/2."""
     wall = Support(Curve(lambda s: (0.8, s)), "wall")
@@ -65,7 +75,7 @@ def test_disc_that_rolls_into_a_wall_goes_up_it(method):
     rolls = 2.0 / (3.0 * 0.2 * G)
     hits = rolls + (0.7 - 2.0 * rolls + 0.5 * 0.2 * G * rolls**2) / (4.0 / 3.0)
     lands = hits + 2.0 * 0.2 * (4.0 / 3.0) / G
-    assert motion.status == "completed"
+    assert motion.status == "completed" and reference.check(case, motion, 1e-12) == ()
     track = [(change.after, change.time) for change in motion.of("plate/track").transitions][:3]
     assert [mode for mode, _ in track] == [Mode.ROLL, Mode.FLIGHT, Mode.SLIP_BACKWARD]
     assert [time for _, time in track] == pytest.approx([rolls, hits, lands], abs=1e-13)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, reduce
 from math import inf, nan, pi
 from typing import Any, NamedTuple
 
@@ -37,7 +37,6 @@ from cases import (
 from cases.contact import start_motion
 from cases.curves import cos, exp, sin
 from cases.library import line
-from cases.motion.trajectory import ContactColumns
 
 Change = Callable[[Case], Case]
 Columns = Callable[[np.ndarray], dict[str, Any]]
@@ -159,109 +158,89 @@ def in_units(length: float, mass: float) -> Callable[[], Case]:
 # --- motions of other scenes ------------------------------------------------------------------------------------------
 
 
-def with_effect(case: Case, effect, kind: type | None = None) -> Case:
-    """The scene with an effect in the place of that of its kind, on supports too; without it for None."""
-    kind = kind or type(effect)
+def with_effects(case: Case, change: Callable[[Any], Any]) -> Case:
+    """The scene with its effects, on supports too, as a function returns them, without those that become None."""
 
-    def other(effects: Sequence[Any]) -> tuple[Any, ...]:
-        return tuple(effect if isinstance(e, kind) else e for e in effects if effect or not isinstance(e, kind))
+    def each(effects: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(new for effect in effects if (new := change(effect)) is not None)
 
-    if not any(isinstance(e, kind) for e in case.effects):
-        return replace(case, effects=(*case.effects, effect))
-    return replace(
-        case,
-        effects=other(case.effects),
-        supports=tuple(replace(s, effects=other(s.effects)) if s.effects else s for s in case.supports),
-    )
+    supports = tuple(replace(s, effects=each(s.effects)) if s.effects else s for s in case.supports)
+    return replace(case, effects=each(case.effects), supports=supports)
 
 
-def scene(change: Change) -> Callable[[Case], Trajectory]:
-    """The motion of another scene, returned for this one."""
-    return lambda case: replace(simulate(change(case)), case=case)
+def without(kind: type) -> Change:
+    """The scene without effects of a kind."""
+    return lambda case: with_effects(case, lambda own: None if isinstance(own, kind) else own)
 
 
-def effect(make: Callable[[Case], Any]) -> Callable[[Case], Trajectory]:
-    """The motion with another effect."""
-    return scene(lambda case: with_effect(case, make(case)))
+def instead(effect: Any) -> Change:
+    """The scene with another effect of the same kind."""
+    return lambda case: with_effects(case, lambda own: effect if isinstance(own, type(effect)) else own)
 
 
-def friction(factor: float, stick: float | None = None) -> Callable[[Case], Trajectory]:
-    """The motion with other friction."""
-
-    def other(case: Case) -> CoulombFriction:
-        own = case.effect(CoulombFriction)
-        assert own is not None
-        return CoulombFriction(own.mu * factor, stick)
-
-    return effect(other)
+def altered(kind: type, **changes: Any) -> Change:
+    """The scene with other values in its effects of a kind: functions of the own ones, or themselves."""
+    return lambda case: with_effects(case, lambda own: _altered(own, changes) if isinstance(own, kind) else own)
 
 
-def other_plate(mass: float = 1.0, inertia: float = 1.0) -> Callable[[Case], Trajectory]:
-    """The motion of a plate of another mass and inertia."""
-
-    def change(case: Case) -> Case:
-        own = case.plate
-        return replace(case, plate=Plate(own.outline, own.mass * mass, own.inertia * inertia))
-
-    return scene(change)
+def with_part(name: str, **changes: Any) -> Change:
+    """The scene with other values in its `plate` or `start`: functions of the own ones, or themselves."""
+    return lambda case: replace(case, **{name: _altered(getattr(case, name), changes)})
 
 
-def start(**factors: float) -> Callable[[Case], Trajectory]:
-    """The motion from another start: these values are added."""
-    return scene(
-        lambda case: replace(
-            case, start=replace(case.start, **{n: getattr(case.start, n) + d for n, d in factors.items()})
-        )
-    )
+def _altered(own: Any, changes: dict[str, Any]) -> Any:
+    return replace(own, **{n: change(getattr(own, n)) if callable(change) else change for n, change in changes.items()})
+
+
+def more(value: Any) -> Any:
+    """A billionth more; of no value none."""
+    return value and value * MORE
+
+
+def plus(by: float) -> Callable[[float], float]:
+    """So much more."""
+    return lambda value: value + by
+
+
+def scene(*changes: Change) -> Callable[[Case], Trajectory]:
+    """The motion of another scene, with all the changes, returned for this one."""
+    return lambda case: replace(simulate(reduce(lambda now, change: change(now), changes, case)), case=case)
 
 
 # --- edited motions ---------------------------------------------------------------------------------------------------
 
 
-def cut(motion: Trajectory, end: float, status: str | None = None) -> Trajectory:
-    """A motion until an earlier or slightly later time."""
-    times = np.append(motion.t[motion.t < end], end)
-    state = motion.dense(np.minimum(times, np.nextafter(motion.t[-1], 0.0)))
-    kept = tuple(c for c in motion.transitions if c.time < end)
-    return replace(motion, t=times, **state._asdict(), transitions=kept, status=status or motion.status)
-
-
-def ends(end: Callable[[Trajectory], float], status: str = "completed", of: Change = lambda case: case):
-    """A motion of the scene, or of another, that ends at another time or with another status."""
+def ends(end: float, status: str = "completed", after: bool = False, of: Change = lambda case: case):
+    """A motion of the scene, or of another, that ends at another time (s), or so long after its own end, with another
+    status."""
 
     def plant(case: Case) -> Trajectory:
         motion = simulate(of(case))
-        return replace(cut(motion, end(motion), status), case=case)
+        times, last = motion.t, simulate(case).t[-1] + end if after else end
+        times = np.append(times[times < last], last)
+        state = motion.dense(np.minimum(times, np.nextafter(motion.t[-1], 0.0)))
+        kept = tuple(c for c in motion.transitions if c.time < last)
+        return replace(motion, t=times, **state._asdict(), transitions=kept, status=status, case=case)
 
     return plant
 
 
-def column(name: str, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Callable[[Case], Trajectory]:
-    """The right motion with one column changed, a function of its values and of time."""
+def column(name: str, change: Callable[[Any, Any], Any], contact: str = "") -> Callable[[Case], Trajectory]:
+    """The right motion with one column, or that of one contact, changed: a function of its values and of time."""
 
     def plant(case: Case) -> Trajectory:
         motion = simulate(case)
-        dense = motion.dense
+        dense, of_contacts = motion.dense, motion.contact_columns
+
+        def new(now: Any, t: Any) -> Any:
+            return now._replace(**{name: change(np.asarray(getattr(now, name)), t)})
+
+        if of_contacts is None or not contact:
+            return replace(motion, dense=lambda t: new(dense(t), t))
         return replace(
-            motion, dense=lambda t: (s := dense(t))._replace(**{name: change(np.asarray(getattr(s, name)), t)})
+            motion,
+            contact_columns=lambda own, t: new(of_contacts(own, t), t) if own == contact else of_contacts(own, t),
         )
-
-    return plant
-
-
-def contact_column(contact: str, name: str, factor: float) -> Callable[[Case], Trajectory]:
-    """The right motion with one column of one contact changed."""
-
-    def plant(case: Case) -> Trajectory:
-        motion = simulate(case)
-        own = motion.contact_columns
-        assert own is not None
-
-        def columns(which: str, times: np.ndarray | None) -> ContactColumns:
-            now = own(which, times)
-            return now._replace(**{name: factor * getattr(now, name)}) if which == contact else now
-
-        return replace(motion, contact_columns=columns)
 
     return plant
 
@@ -283,9 +262,12 @@ def transitions(change: Callable[[tuple[Transition, ...]], Sequence[Transition]]
 
 
 def later(by: float, *numbers: int) -> Callable[[Case], Trajectory]:
-    """Some transitions (none: all) listed later."""
+    """Some transitions (none: all) listed later; −1 is the last one."""
     return transitions(
-        lambda some: [replace(c, time=c.time + by) if i in numbers or not numbers else c for i, c in enumerate(some)]
+        lambda some: [
+            replace(c, time=c.time + by) if {i, i - len(some)} & {*numbers} or not numbers else c
+            for i, c in enumerate(some)
+        ]
     )
 
 
@@ -294,27 +276,21 @@ def modes(change: dict[int, dict[str, Mode]]) -> Callable[[Case], Trajectory]:
     return transitions(lambda some: [replace(c, **change.get(i, {})) for i, c in enumerate(some)])
 
 
-def rest_at(by: float, is_shifted: bool) -> Callable[[Case], Trajectory]:
-    """The end of a series of impacts listed at another time; with all data, or without."""
+def rest_later(by: float) -> Callable[[Case], Trajectory]:
+    """The end of a series of impacts at a later time, with all data."""
 
     def plant(case: Case) -> Trajectory:
         motion = simulate(case)
-        rest = next(c for c in reversed(motion.transitions) if "came to rest" in c.cause)
-        moved = replace(rest, time=rest.time + by)
-        if not is_shifted:
-            return replace(motion, transitions=tuple(moved if c is rest else c for c in motion.transitions))
+        rest = next(c.time for c in reversed(motion.transitions) if "came to rest" in c.cause)
         jumps = motion.t[1:][np.diff(motion.t) == 0]
-        last, dense, end = jumps[jumps < rest.time * (1 - 1e-14)][-1], motion.dense, motion.t[-1]
+        last, dense, end = jumps[jumps < rest * (1 - 1e-14)][-1], motion.dense, motion.t[-1]
 
         def warp(t: np.ndarray) -> np.ndarray:
-            inside = last + (t - last) * (rest.time - last) / (moved.time - last)
-            return np.clip(np.where(t < last, t, np.where(t < moved.time, inside, t - by)), 0.0, end)
+            inside = last + (t - last) * (rest - last) / (rest + by - last)
+            return np.clip(np.where(t < last, t, np.where(t < rest + by, inside, t - by)), 0.0, end)
 
-        times = np.where(np.abs(motion.t - rest.time) < 1e-14, moved.time, motion.t)
-        changes = tuple(
-            moved if c is rest else replace(c, time=c.time + by) if c.time > rest.time else c
-            for c in motion.transitions
-        )
+        times = np.where(np.abs(motion.t - rest) < 1e-14, rest + by, motion.t)
+        changes = tuple(replace(c, time=c.time + by) if c.time >= rest else c for c in motion.transitions)
         return replace(motion, t=times, transitions=changes, dense=lambda t: dense(warp(t)))
 
     return plant
@@ -386,19 +362,9 @@ def presses_on(case: Case) -> Columns:
     )
 
 
-def flies(case: Case) -> Columns:
+def flies(case: Case, g: float = G) -> Columns:
     b = start_motion(case)
-    return lambda t: dict(
-        x=b.x + b.vx * t,
-        y=b.y + b.vy * t - G * t * t / 2,
-        theta=b.theta + b.omega * t,
-        vy=b.vy - G * t,
-        slip=nan,
-        xi1=nan,
-        xi2=nan,
+    return lambda t: (
+        dict(x=b.x + b.vx * t, y=b.y + b.vy * t - g * t * t / 2, theta=b.theta + b.omega * t)
+        | dict(vy=b.vy - g * t, slip=nan, xi1=nan, xi2=nan)
     )
-
-
-def floats(case: Case) -> Columns:
-    b = start_motion(case)
-    return lambda t: dict(x=b.x + b.vx * t, theta=b.theta + b.omega * t, slip=nan, xi1=nan, xi2=nan)
