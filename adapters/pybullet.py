@@ -19,10 +19,11 @@ import pybullet
 
 from cases import Belt, Case, CoulombFriction, Drive, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
-from cases.errors import DoesNotFit, unknown_name
+from cases.errors import unknown_name
 from cases.motion.mechanics import gravity
 
 from .common import half_steps
+from .common.flights import BEYOND
 from .interface import Meaning, Refusal, Setting
 
 NAME = "pybullet"
@@ -153,7 +154,7 @@ def _step(model: PybulletModel, where: dict[str, int]) -> None:
     for k in range(model.steps + 1):
         try:
             near = _add_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
-        except DoesNotFit:
+        except BEYOND:
             return
         pybullet.setTimeStep(h if k else 0.5 * h, **where)
         pybullet.stepSimulation(**where)

@@ -34,9 +34,9 @@ scene = plane.read_scene(
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
 if radius is None:
     plane.refuse("DART is given spheres: other outlines would be hulls, whose corners its contact takes one by one.")
-effects, (count, h) = scene["effects"], plane.steps(scene)
+effects, (_, h) = scene["effects"], plane.steps(scene)
 is_tuned = scene["setting"].get("rung") != "defaults"
-mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
+mu = plane.coefficient(effects, ROUGH)
 
 
 def add_shape(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> None:
@@ -71,23 +71,22 @@ if is_tuned:
 ground = dart.dynamics.Skeleton("track")
 fixed = ground.createWeldJointAndBodyNodePair()[1]
 ground.setMobile(False)
-track = plane.shape(scene)
 thick = 0.5 * radius
-if track.kind == "line":
-    # Wider than the plate can get in its time, by gravity or on its way.
-    way = scene["duration"] * (abs(start["vx"]) + abs(start["vy"]) + radius * abs(start["omega"]))
-    way += 0.5 * np.hypot(*plane.gravity(scene)[:2]) * scene["duration"] ** 2 + 10 * radius
-    # Its middle is below the start.
-    along = (start["x"] - track.x) * cos(track.angle) + (start["y"] - track.y) * sin(track.angle)
-    x, y = track.x + along * cos(track.angle), track.y + along * sin(track.angle)
-    x, y = x + thick * sin(track.angle), y - thick * cos(track.angle)
-    add_shape(fixed, dart.dynamics.BoxShape([4 * way, 2 * thick, 4 * radius]), x, y, track.angle)
-elif track.kind == "hill":
-    add_shape(fixed, dart.dynamics.SphereShape(track.radius), track.x, track.y)
-else:
-    for box in plane.chords(scene, scene["setting"].get("facets", CHORDS)):
-        x, y = box.x + thick * sin(box.angle), box.y - thick * cos(box.angle)
-        add_shape(fixed, dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
+for solid in plane.solids(scene, scene["setting"].get("facets", CHORDS)):
+    if solid.kind == "line":
+        # Wider than the plate can get in its time, by gravity or on its way.
+        way = scene["duration"] * (abs(start["vx"]) + abs(start["vy"]) + radius * abs(start["omega"]))
+        way += 0.5 * np.hypot(*plane.gravity(scene)[:2]) * scene["duration"] ** 2 + 10 * radius
+        # Its middle is below the start.
+        c, s = cos(solid.angle), sin(solid.angle)
+        along = (start["x"] - solid.x) * c + (start["y"] - solid.y) * s
+        solid = solid._replace(x=solid.x + along * c, y=solid.y + along * s, size=2 * way)
+    if solid.kind == "disc":
+        add_shape(fixed, dart.dynamics.SphereShape(solid.size), solid.x, solid.y)
+    else:
+        box = dart.dynamics.BoxShape([2 * solid.size, 2 * thick, 4 * radius])
+        x, y = solid.middle(thick)
+        add_shape(fixed, box, x, y, solid.angle)
 world.addSkeleton(ground)
 plate = dart.dynamics.Skeleton("plate")
 joint, body = plate.createPlanarJointAndBodyNodePair()
@@ -99,7 +98,22 @@ plate.setVelocities([start["vx"], start["vy"], start["omega"]])
 world.addSkeleton(plate)
 
 
-def touches(pose) -> list[plane.PlaneContact]:
+def states() -> list[list[float]]:
+    """(x, y, theta, vx, vy, omega) of the plate."""
+    return [[*plate.getPositions().tolist(), *plate.getVelocities().tolist()]]
+
+
+pose = plate.getPositions()
+
+
+def step(number: int) -> None:
+    """A step; the pose where it begins is kept."""
+    global pose
+    pose = plate.getPositions()
+    world.step()
+
+
+def touches() -> list[plane.PlaneContact]:
     """The contacts that pushed in the last step; the result keeps those of the step's beginning."""
     contacts = []
     for contact in world.getLastCollisionResult().getContacts():
@@ -111,11 +125,9 @@ def touches(pose) -> list[plane.PlaneContact]:
     return contacts
 
 
-motion, friction_force = plane.MotionRows(scene), 0.0
-for k in range(count + 1):
-    pose, velocities = plate.getPositions(), plate.getVelocities()
-    world.step()
-    contacts = touches(pose)
-    friction_force = max(friction_force, abs(sum(touch.friction_force for touch in contacts)))
-    motion.note(k * h, pose.tolist(), velocities.tolist(), contacts, plate.getVelocities().tolist())
-motion.write(MIXING * h * friction_force * (1 / mass + radius**2 / inertia))
+def creep() -> float:
+    """The slip velocity (m/s) that the constraint force mixing leaves of the last step's friction."""
+    return MIXING * h * abs(sum(touch.friction_force for touch in touches())) * (1 / mass + radius**2 / inertia)
+
+
+plane.write_motion(scene, states, step, touches, creep)

@@ -68,7 +68,8 @@ effects, (count, h) = scene["effects"], plane.steps(scene)
 drive, mu = plane.drive_steps(scene, h), plane.coefficient(effects, ROUGH)
 # With one plate a number so large that its inverse is rounding; that of several acts between them too.
 OF_PLATES = LARGE if len(plates) == 1 else mu
-if any(0.0 < plane.coefficient(support.effects, ROUGH) >= 2 * OF_PLATES for support in plane.supports(scene)):
+fixed = plane.solids(scene, scene["setting"].get("facets", CHORDS))
+if any(0.0 < plane.coefficient(solid.effects, ROUGH) >= 2 * OF_PLATES for solid in fixed):
     plane.refuse(
         "Drake combines the coefficients a and b of two bodies as 2 a b / (a + b), so a support has less than twice "
         "the friction between the plates."
@@ -100,26 +101,19 @@ if drive:
     ground = plant.AddRigidBody("track", instance, SpatialInertia(heavy, np.zeros(3), UnitInertia(1.0, 1.0, 1.0)))
     rail = plant.AddJoint(PlanarJoint("rail", plant.world_frame(), ground.body_frame(), np.zeros(3)))
     plant.set_gravity_enabled(instance, False)
-track = plane.shape(scene)
-if track.kind == "line":
-    # A half-space is below the XY plane of its own frame.
-    across = np.array([-sin(track.angle), cos(track.angle), 0.0])
-    pose = RigidTransform(HalfSpace.MakePose(across, np.array([track.x, track.y, 0.0])))
-    plant.RegisterCollisionGeometry(ground, pose, HalfSpace(), "track", friction(effects))
-elif track.kind == "hill":
-    pose = RigidTransform(np.array([track.x, track.y, 0.0]))
-    plant.RegisterCollisionGeometry(ground, pose, Sphere(track.radius), "track", friction(effects))
-else:
-    thick = 0.5 * radius
-    for number, box in enumerate(plane.chords(scene, scene["setting"].get("facets", CHORDS))):
-        middle = np.array([box.x + thick * sin(box.angle), box.y - thick * cos(box.angle), 0.0])
-        pose = RigidTransform(RollPitchYaw(0.0, 0.0, box.angle), middle)
-        shape = Box(2 * box.half, 2 * thick, 4 * radius)
-        plant.RegisterCollisionGeometry(ground, pose, shape, f"chord {number}", friction(effects))
-for number, support in enumerate(plane.supports(scene)):
-    across = np.array([-sin(support.angle), cos(support.angle), 0.0])
-    pose = RigidTransform(HalfSpace.MakePose(across, np.array([support.x, support.y, 0.0])))
-    plant.RegisterCollisionGeometry(ground, pose, HalfSpace(), f"support {number}", friction(support.effects))
+thick = 0.5 * radius
+for solid in fixed:
+    if solid.kind == "line":
+        # A half-space is below the XY plane of its own frame.
+        across = np.array([-sin(solid.angle), cos(solid.angle), 0.0])
+        pose, shape = RigidTransform(HalfSpace.MakePose(across, np.array([solid.x, solid.y, 0.0]))), HalfSpace()
+    elif solid.kind == "disc":
+        pose, shape = RigidTransform(np.array([solid.x, solid.y, 0.0])), Sphere(solid.size)
+    else:
+        middle = np.array([*solid.middle(thick), 0.0])
+        pose = RigidTransform(RollPitchYaw(0.0, 0.0, solid.angle), middle)
+        shape = Box(2 * solid.size, 2 * thick, 4 * radius)
+    plant.RegisterCollisionGeometry(ground, pose, shape, solid.name, friction(solid.effects))
 bodies, joints = [], []
 for own in plates:
     inertia = own.inertia / own.mass
@@ -169,27 +163,16 @@ def states() -> list[list[float]]:
     return rows
 
 
-def run_one() -> None:
-    """Step through the duration and write the motion of the only plate, with slip and forces."""
-    motion, several = plane.MotionRows(scene), drive or "Supports" in effects
-    for k in range(count + 1):
-        if drive:
-            (x, y, angle), (vx, vy, spin) = drive(k)
-            rail.set_translation(context, [x, y])
-            rail.set_rotation(context, angle)
-            rail.set_translational_velocity(context, [vx, vy])
-            rail.set_angular_velocity(context, spin)
-        (before,) = states()
-        simulator.AdvanceTo((k + 1) * h)
-        motion.note(k * h, before[:3], before[3:], touches(), states()[0][3:])
-        if several:
-            motion.slip = None  # it follows from pose and velocities, relative to the track
-    motion.write((1 + TOLERANCE) * stiction, plane.MIDDLE)
+def step(number: int) -> None:
+    """Move a driven track, then make a step of all."""
+    if drive:
+        (x, y, angle), (vx, vy, spin) = drive(number)
+        rail.set_translation(context, [x, y])
+        rail.set_rotation(context, angle)
+        rail.set_translational_velocity(context, [vx, vy])
+        rail.set_angular_velocity(context, spin)
+    simulator.AdvanceTo((number + 1) * h)
 
 
-if len(plates) > 1:
-    plane.PlatesRows(scene).record(
-        states, lambda number: simulator.AdvanceTo((number + 1) * h), lambda: (1 + TOLERANCE) * stiction
-    )
-else:
-    run_one()
+from_poses = bool(drive) or "Supports" in effects  # relative to the track
+plane.write_motion(scene, states, step, touches, lambda: (1 + TOLERANCE) * stiction, plane.MIDDLE, from_poses)

@@ -49,7 +49,7 @@ scene = plane.read_scene(
     ),
     must_turn=False,
 )
-count, h = plane.steps(scene)
+_, h = plane.steps(scene)
 drive = plane.drive_steps(scene, h)
 effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
 mu = plane.coefficient(effects, ROUGH)
@@ -72,34 +72,31 @@ if is_tuned:
 world, plates = part(root, "worldbody"), plane.plates(scene)
 for box in world.findall("geom"):
     world.remove(box)
-track = plane.shape(scene)
-if track.kind == "line" and drive:
-    # The engine's planes do not move: a box below the start.
-    c, s = plane.cos(track.angle), plane.sin(track.angle)
-    along = (start["x"] - track.x) * c + (start["y"] - track.y) * s
-    x, y = track.x + along * c + WIDE * s, track.y + along * s - WIDE * c
-    ElementTree.SubElement(
-        world, "geom", type="box", size=f"{WIDE} {WIDE} 1", pos=f"{x} {y} 0", euler=f"0 0 {track.angle}"
-    )
-elif track.kind == "line":
-    ElementTree.SubElement(
-        world, "geom", type="plane", size="0 0 1", pos=f"{track.x} {track.y} 0",
-        xyaxes=f"{plane.cos(track.angle)} {plane.sin(track.angle)} 0 0 0 -1",
-    )  # fmt: skip
-elif track.kind == "hill":
-    ElementTree.SubElement(world, "geom", type="sphere", size=repr(track.radius), pos=f"{track.x} {track.y} 0")
-else:
-    thick = 0.1
-    for box in plane.chords(scene, scene["setting"].get("facets", CHORDS)):
-        x, y = box.x + thick * plane.sin(box.angle), box.y - thick * plane.cos(box.angle)
-        ElementTree.SubElement(
-            world, "geom", type="box", size=f"{box.half} {thick} 1", pos=f"{x} {y} 0", euler=f"0 0 {box.angle}"
-        )
-# A surface velocity of 1 m/s in a geom's frame. A hill is touched from outside: its direction is clockwise.
-FLAT = np.array([1.0, 0, 0, 0, 0, 0])
-UNIT = np.array([0, 0, 0, 0, 0, -1 / track.radius]) if track.kind == "hill" else FLAT
 # The names of the geoms of each belt, its speed as a function of t, and 1 m/s there.
 belts: list[tuple[list[str], Callable[[float], float], np.ndarray]] = []
+# A surface velocity of 1 m/s in a geom's frame; that of a disc touched from outside is clockwise.
+FLAT = np.array([1.0, 0, 0, 0, 0, 0])
+
+
+def add_solid(solid: plane.Solid) -> ElementTree.Element:
+    """Add a geom: a plane, a sphere or a box."""
+    thick, place, angle = 0.1, (solid.x, solid.y), solid.angle
+    c, s = plane.cos(angle), plane.sin(angle)
+    if solid.kind == "line" and drive:
+        # The engine's planes do not move: a box below the start.
+        along = (start["x"] - solid.x) * c + (start["y"] - solid.y) * s
+        solid = solid._replace(kind="box", x=solid.x + along * c, y=solid.y + along * s, size=WIDE)
+        thick = WIDE
+    shape: dict[str, str]
+    if solid.kind == "line":
+        shape = dict(type="plane", size="0 0 1", xyaxes=f"{c} {s} 0 0 0 -1")
+    elif solid.kind == "disc":
+        shape = dict(type="sphere", size=repr(solid.size))
+    else:
+        shape, place = dict(type="box", size=f"{solid.size} {thick} 1", euler=f"0 0 {angle}"), solid.middle(thick)
+    own = plane.coefficient(solid.effects, ROUGH)
+    shape |= dict(pos=f"{place[0]} {place[1]} 0", friction=f"{own} 0 0", condim="3" if own else "1")
+    return ElementTree.SubElement(world, "geom", shape)
 
 
 def run_surface(geoms: list[ElementTree.Element], of_effects, unit: np.ndarray) -> None:
@@ -114,17 +111,11 @@ def run_surface(geoms: list[ElementTree.Element], of_effects, unit: np.ndarray) 
     belts.append((names, plane.formula(str(of_effects["Belt"]["speed"])), unit))
 
 
-for geom in world.findall("geom"):
-    geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
-run_surface(world.findall("geom"), effects, UNIT)
-for support in plane.supports(scene):
-    own = plane.coefficient(support.effects, ROUGH)
-    side = ElementTree.SubElement(
-        world, "geom", type="plane", size="0 0 1", pos=f"{support.x} {support.y} 0",
-        xyaxes=f"{plane.cos(support.angle)} {plane.sin(support.angle)} 0 0 0 -1", friction=f"{own} 0 0",
-        condim="3" if own else "1",
-    )  # fmt: skip
-    run_surface([side], support.effects, FLAT)
+surfaces_of: dict[int, tuple[list[ElementTree.Element], plane.Solid]] = {}
+for solid in plane.solids(scene, scene["setting"].get("facets", CHORDS)):
+    surfaces_of.setdefault(id(solid.effects), ([], solid))[0].append(add_solid(solid))
+for geoms, solid in surfaces_of.values():
+    run_surface(geoms, solid.effects, np.array([0, 0, 0, 0, 0, -1 / solid.size]) if solid.kind == "disc" else FLAT)
 if drive:
     # Bodies of a mocap kind have no velocity for the engine's contacts: the track has joints, and so much mass that no
     # contact force changes the velocities that are set in each step.
@@ -214,25 +205,14 @@ def states() -> list[list[float]]:
     return rows
 
 
-def run_one() -> None:
-    """Step through the duration and write the motion of the only plate, with slip and forces."""
-    motion, fastest, several = plane.MotionRows(scene), 0.0, drive or "Supports" in effects
-    for k in range(count + 1):
-        if drive:
-            data.qpos[rail], data.qvel[rail] = drive(k)
-        for numbers, speed, unit in surfaces:
-            model.geom_surfacevel[numbers] = speed((k + 0.5) * h) * unit
-            motion.belt = speed((k + 1) * h)
-        (before,) = states()
-        mujoco.mj_step(model, data)
-        motion.note(k * h, before[:3], before[3:], touches(), states()[0][3:])
-        if several:
-            motion.slip = None  # it follows from pose and velocities, relative to the track
-        fastest = max(fastest, creep())
-    motion.write(fastest, plane.MIDDLE)
+def step(number: int) -> None:
+    """Set the velocities of driven tracks and belts, then make a step of all."""
+    if drive:
+        data.qpos[rail], data.qvel[rail] = drive(number)
+    for numbers, speed, unit in surfaces:
+        model.geom_surfacevel[numbers] = speed((number + 0.5) * h) * unit
+    mujoco.mj_step(model, data)
 
 
-if len(plates) > 1:
-    plane.PlatesRows(scene).record(states, lambda number: mujoco.mj_step(model, data), creep)
-else:
-    run_one()
+from_poses, belt = bool(drive) or "Supports" in effects, surfaces[-1][1] if surfaces else None
+plane.write_motion(scene, states, step, touches, creep, plane.MIDDLE, from_poses, belt)

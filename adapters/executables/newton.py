@@ -100,7 +100,7 @@ class NewtonStepper:
 
     def _add_shapes(self, builder, scene, kind: str) -> None:
         """Add the track and the plate."""
-        track, setting = plane.shape(scene), scene["setting"]
+        setting = scene["setting"]
         radius, mass, inertia = (scene["plate"][name] for name in ("radius", "mass", "inertia"))
         material = newton.ModelBuilder.ShapeConfig(mu=plane.coefficient(scene["effects"], ROUGH), density=0.0)
         if self.is_tuned:
@@ -109,22 +109,21 @@ class NewtonStepper:
             # Critical damping; VBD counts a damper's force in the normal force, but not in the cone of friction.
             material.kd = 0.0 if kind == "vbd" else 2.0 * (material.ke * mass) ** 0.5
             material.kf = VISCOSITY * mass / self.h
-            if track.kind == "chain":
+            if plane.shape(scene).kind == "chain":
                 # Contacts begin 10 cm ahead by default, with planes across the way to boxes that the plate only
                 # approaches: it would be braked.
                 material.gap = setting.get("gap", 0.0)
-        if track.kind == "line":
-            across = -sin(track.angle), cos(track.angle)
-            offset = -(across[0] * track.x + across[1] * track.y)
-            builder.add_shape_plane((*across, 0.0, offset), width=0.0, length=0.0, cfg=material)
-        elif track.kind == "hill":
-            builder.add_shape_sphere(-1, xform=placed(track.x, track.y), radius=track.radius, cfg=material)
-        else:
-            for box in plane.chords(scene, setting.get("facets", CHORDS)):
-                x, y = box.x + radius * sin(box.angle), box.y - radius * cos(box.angle)
-                builder.add_shape_box(
-                    -1, xform=placed(x, y, box.angle), hx=box.half, hy=radius, hz=2 * radius, cfg=material
-                )
+        for solid in plane.solids(scene, setting.get("facets", CHORDS)):
+            if solid.kind == "line":
+                across = -sin(solid.angle), cos(solid.angle)
+                offset = -(across[0] * solid.x + across[1] * solid.y)
+                builder.add_shape_plane((*across, 0.0, offset), width=0.0, length=0.0, cfg=material)
+            elif solid.kind == "disc":
+                builder.add_shape_sphere(-1, xform=placed(solid.x, solid.y), radius=solid.size, cfg=material)
+            else:
+                x, y = solid.middle(radius)
+                place = placed(x, y, solid.angle)
+                builder.add_shape_box(-1, xform=place, hx=solid.size, hy=radius, hz=2 * radius, cfg=material)
         body = builder.add_body(
             xform=placed(*(scene["start"][name] for name in ("x", "y", "theta"))),
             mass=mass, inertia=warp.mat33(*(inertia * np.eye(3)).ravel()), lock_inertia=True,

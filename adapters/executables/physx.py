@@ -38,7 +38,7 @@ if radius is None:
     plane.refuse("PhysX is given spheres: this outline is no circle about the centre of mass.")
 effects, setting, (_, h) = scene["effects"], scene["setting"], plane.steps(scene)
 is_tuned = setting.get("rung") != "defaults"
-mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
+mu = plane.coefficient(effects, ROUGH)
 
 config: dict[str, object] = {"gravity": np.array(plane.gravity(scene), dtype=np.float32)}
 if is_tuned:

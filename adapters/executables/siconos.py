@@ -46,7 +46,7 @@ scene = plane.read_scene(
     "Siconos", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Supports")
 )
 radius, mass, inertia = (scene["plate"][name] for name in ("radius", "mass", "inertia"))
-start, effects, (count, h) = scene["start"], scene["effects"], plane.steps(scene)
+start, effects, (_, h) = scene["start"], scene["effects"], plane.steps(scene)
 if radius is None:
     plane.refuse("Siconos is given discs here: this outline is no circle about the centre of mass.")
 
@@ -160,8 +160,17 @@ stepper = kernel.MoreauJeanOSI(scene["setting"].get("theta", 0.5))
 stepper.setConstraintActivationThreshold(CLOSED * radius)
 simulation = kernel.TimeStepping(model, kernel.TimeDiscretisation(0.0, h), stepper, problem)
 
-motion, fastest, creep = plane.MotionRows(scene), 0.0, 0.0
-for k in range(count + 1):
+pose, touching, slowest, fastest = plate.q().copy(), list[plane.PlaneContact](), 0.0, 0.0
+
+
+def states() -> list[list[float]]:
+    """(x, y, theta, vx, vy, omega) of the plate."""
+    return [[*plate.q().tolist(), *plate.velocity().tolist()]]
+
+
+def step(number: int) -> None:
+    """Set the planes, make a step, and note its contacts, the creep (m/s) and the largest velocity (m/s)."""
+    global pose, touching, slowest, fastest
     pose, velocities = plate.q().copy(), plate.velocity().copy()
     for contact in contacts:
         contact.set_plane(pose, velocities)
@@ -169,8 +178,12 @@ for k in range(count + 1):
     touches = [contact.touch(pose) for contact in contacts]
     after = plate.velocity().copy()
     simulation.nextStep()
-    creep = max([creep, *(one.creep(after) for one, touch in zip(contacts, touches, strict=True) if touch)])
+    slowest = max([slowest, *(one.creep(after) for one, touch in zip(contacts, touches, strict=True) if touch)])
     fastest = max(fastest, hypot(after[0], after[1]) + radius * abs(after[2]))
-    motion.note(k * h, pose.tolist(), velocities.tolist(), [touch for touch in touches if touch], after.tolist())
-    motion.slip = None  # it follows from pose and velocities, which are at the same time
-motion.write(creep + ROUNDINGS * np.finfo(float).eps * fastest)
+    touching = [touch for touch in touches if touch]
+
+
+# Slip follows from pose and velocities, which are at the same time.
+plane.write_motion(
+    scene, states, step, lambda: touching, lambda: slowest + ROUNDINGS * np.finfo(float).eps * fastest, from_poses=True
+)

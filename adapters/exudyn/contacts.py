@@ -121,16 +121,16 @@ def distance_from(curve: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarr
 def add_contact(contact: SphereContact, setting: Setting, system, bodies: list[int], whole: Case) -> int:
     """Add a contact between bodies of the plates of the whole case, with its law; returns its number."""
     acting, curve, sphere, masses = contact.acting, contact.curve, contact.sphere, [p.mass for p in plates_of(whole)]
-    moved, own = masses[contact.body], marker(system, bodies[contact.body], sphere.u, sphere.v)
+    mass, own = masses[contact.body], marker(system, bodies[contact.body], sphere.u, sphere.v)
     if curve is None:
         assert contact.base is not None
-        moved = moved * masses[contact.base] / (moved + masses[contact.base])
+        mass = mass * masses[contact.base] / (mass + masses[contact.base])
         radii = [sphere.radius, plates_of(whole)[contact.base].reach]
         kind: Any = item.ObjectContactSphereSphere
         parts: dict = dict(markerNumbers=[own, marker(system, bodies[contact.base])], spheresRadii=radii)
-        return int(system.AddObject(kind(**parts, **_law(contact, setting, system, moved))))
+        return int(system.AddObject(kind(**parts, **_law(contact, setting, system, mass))))
     markers = [own, surface(system, curve, acting, masses[0])]
-    law = _law(contact, setting, system, moved)
+    law = _law(contact, setting, system, mass)
     if line := as_line(curve):
         ends = facets.ends(whole, line)
         middle = 0.5 * (ends[0] + ends[1])

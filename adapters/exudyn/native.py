@@ -113,11 +113,11 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     if load := case.effect(Load):
         add_load(system, bodies[0], load)
     forces = tuple(force_sensor(system, add_contact(contact, setting, system, [*bodies], case)) for contact in contacts)
-    built = ExudynSystem(container, system, tuple(node_sensors(system, node) for node in nodes), forces)
+    whole = ExudynSystem(container, system, tuple(node_sensors(system, node) for node in nodes), forces)
     system.Assemble()
     if has_several(case):
-        return built
-    return replace(built, contact=lambda data: read_contact(case, data, contacts[0].sphere, share))
+        return whole
+    return replace(whole, contact=lambda data: read_contact(case, data, contacts[0].sphere, share))
 
 
 def _contacts(case: Case, setting: Setting) -> list[SphereContact]:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .law_list import LAWS, Verdict, judge
-    from .mechanics import Law, mirror
-    from .runs import LawRun, MissingQuantity, Route, hold
+    from .mechanics import mirror
+    from .runs import Law, LawRun, MissingQuantity, Route, hold
     from .scenes import MORE_SCENES, SCENES, scene, turn_gravity
 
 __all__ = [
@@ -34,8 +34,8 @@ __all__ = [
 
 # The modules of these names, which are imported at their first use: help needs none.
 _MODULES = {
-    "law_list": ("LAWS", "Verdict", "judge"), "mechanics": ("Law", "mirror"),
-    "runs": ("LawRun", "MissingQuantity", "Route", "hold"),
+    "law_list": ("LAWS", "Verdict", "judge"), "mechanics": ("mirror",),
+    "runs": ("Law", "LawRun", "MissingQuantity", "Route", "hold"),
     "scenes": ("MORE_SCENES", "SCENES", "scene", "turn_gravity"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

@@ -7,7 +7,7 @@ are those of `adapters.laws.runs`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import replace
 from math import cos, exp, inf, log, sin, sqrt
 from typing import NamedTuple
@@ -31,7 +31,7 @@ from cases import (
 )
 from cases.contact import start_motion
 
-from .runs import LawRun, Route, hold
+from .runs import Check, LawRun, Steps, law
 from .scenes import LEVEL, Draw, hill, incline
 
 # Engines whose impacts are contact forces have their restitution to a hundredth, according to their manuals.
@@ -44,33 +44,31 @@ def _disc(d: Draw) -> tuple[Plate, float, float, float]:
     return d.disc(radius), radius, g, sqrt(radius / g)
 
 
-def load(route: Route) -> None:
+@law("load")
+def load(d: Draw) -> Steps:
     """A frictionless disc on a level line: m v̇ = F − c v, so v = F/c + (v₀ − F/c) exp(−c t/m); J ω̇ = M sin(w t)."""
-    d = route.draw("load")
     plate, radius, g, time = _disc(d)
     duration = 10 * time
     drag, rate = d.between(0.3, 1.0) * plate.mass / duration, d.between(3.0, 5.0) / duration
     initial, push = d.signed(5.0, 9.0) * radius / time, d.signed(0.05, 0.15) * plate.mass * g
     moment = d.signed(0.05, 0.15) * plate.mass * g * radius
     force = Load(fx=f"{push!r} - {drag!r}*vx", moment=f"{moment!r}*sin({rate!r}*t)")
-    run = route.simulate(
-        Case(LEVEL, plate, (Gravity(g), force, Unilateral()), Start(0.0, slip=initial), duration=duration)
-    )
+    run = yield Case(LEVEL, plate, (Gravity(g), force, Unilateral()), Start(0.0, slip=initial), duration=duration)
     t = run.motion.t
     # Forces act up to a step early or late.
     tolerance = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
     final = push / drag
     exact = final + (initial - final) * np.exp(-drag * t / plate.mass)
     most = (drag * abs(initial) + abs(push)) / plate.mass
-    hold("load", "vx", run.motion.vx - exact, tolerance * most, "fx of Load, mass of the plate")
+    yield "vx", run.motion.vx - exact, tolerance * most, "fx of Load, mass of the plate"
     exact = moment / (plate.inertia * rate) * (1 - np.cos(rate * t))
     suspect = "moment of Load, inertia of the plate"
-    hold("load", "omega", run.motion.omega - exact, tolerance * abs(moment) / plate.inertia, suspect)
+    yield "omega", run.motion.omega - exact, tolerance * abs(moment) / plate.inertia, suspect
 
 
-def friction_by_speed(route: Route) -> None:
+@law("friction by speed")
+def friction_by_speed(d: Draw) -> Steps:
     """A disc that slides with μ = a + b exp(−v/w): u = exp(v/w) obeys u̇ = −k (a u + b), k = g (1 + m r²/J)/w."""
-    d = route.draw("friction by speed")
     plate, radius, g, time = _disc(d)
     a, b, width = d.mu(0.06, 0.2), d.between(0.2, 0.4), d.between(0.2, 0.6) * radius / time
     slip = d.signed(3.0, 5.0) * width
@@ -80,13 +78,13 @@ def friction_by_speed(route: Route) -> None:
     # Up to a tenth of the width before it rolls.
     duration = log((first + b / a) / (exp(0.1) + b / a)) / (rate * a)
     friction = CoulombFriction(f"{a!r} + {b!r}*exp(-v/{width!r})")
-    run = route.simulate(Case(LEVEL, plate, (Gravity(g), friction, Unilateral()), Start(0.0, slip=slip), duration))
+    run = yield Case(LEVEL, plate, (Gravity(g), friction, Unilateral()), Start(0.0, slip=slip), duration)
     exact = width * np.log((first + b / a) * np.exp(-rate * a * run.motion.t) - b / a)
     # Friction acts up to a step early or late, by the largest coefficient; until then its change has grown as the
     # difference of two slip speeds does, by the ratio of their rates at most.
     tolerance = (a + b) * run.kick * (1 + lever * radius) * (a + b) / a + 1e-9
     suspect = "mu of CoulombFriction as a formula of v: a coefficient, the width of the exponential, or the unit of v"
-    hold("friction by speed", "the slip", np.sign(slip) * run.motion.slip - exact, tolerance, suspect)
+    yield "the slip", np.sign(slip) * run.motion.slip - exact, tolerance, suspect
 
 
 class Drop(NamedTuple):
@@ -110,12 +108,12 @@ def _drop(d: Draw, restitution: float, mu: float, spin: float, after: float) -> 
     return Drop(Case(LEVEL, plate, effects, start, duration=meets + after * speed / g), meets, speed, g)
 
 
-def bounce(route: Route) -> None:
+@law("bounce")
+def bounce(d: Draw) -> Steps:
     """A disc that meets a level line at the speed v rises to e² v²/(2 g)."""
-    d = route.draw("bounce")
     restitution = d.but(0.3, 0.8, 0.5, 0.05)
     case, time, speed, g = _drop(d, restitution, 0.0, 0.0, 1.5 * restitution)
-    run = route.simulate(case)
+    run = yield case
     after = run.motion.t > time + 2 * run.step + 0.1 * restitution * speed / g
     top, exact = float(run.motion.y[after].max()) - (case.plate.radius or 0.0), (restitution * speed) ** 2 / (2 * g)
     tolerance = 2 * restitution * speed * run.kick / g + 2 * RESTITUTION * exact
@@ -125,94 +123,92 @@ def bounce(route: Route) -> None:
             f"restitution of Impact: {sqrt(max(2 * g * top, 0.0)) / speed:.4g} would fit, the case has {restitution:g}"
         )
 
-    hold("bounce", "the height", top - exact, tolerance, suspect)
+    yield "the height", top - exact, tolerance, suspect
 
 
-def bounce_with_friction(route: Route) -> None:
+@law("bounce with friction")
+def bounce_with_friction(d: Draw) -> Steps:
     """A spinning disc that slips through its impact: friction takes μ of the impulse, so v_t grows by μ (1 + e) v_n."""
-    d = route.draw("bounce with friction")
     restitution, mu = d.but(0.3, 0.8, 0.5, 0.05), d.mu(0.06, 0.2)
     case, time, speed, g = _drop(d, restitution, mu, d.signed(5.0, 7.0), 1.5 * restitution)
-    run = route.simulate(case)
+    run = yield case
     after = run.motion.t > time + 2 * run.step + 0.1 * restitution * speed / g
     impulse = mu * (1 + restitution) * speed
     suspect = "mu of CoulombFriction, restitution of Impact: friction takes mu of the impulse of both phases"
-    _check_spin("bounce with friction", run, after, impulse, RESTITUTION * impulse, suspect)
+    yield from _spin(run, after, impulse, RESTITUTION * impulse, suspect)
 
 
-def landing(route: Route) -> None:
+@law("landing")
+def landing(d: Draw) -> Steps:
     """A spinning disc that stays where it lands: v_t grows by μ v_n in the impact, and by μ g t from then on."""
-    d = route.draw("landing")
     mu = d.mu(0.06, 0.2)
     case, time, speed, g = _drop(d, 0.0, mu, d.signed(5.0, 7.0), 0.9)
-    run = route.simulate(case)
+    run = yield case
     after = run.motion.t > time + 2 * run.step + 0.1 * speed / g
     growth = mu * (speed + g * (run.motion.t[after] - time))
     suspect = "mu of CoulombFriction, in the impact or after it; g of Gravity; restitution of Impact (0)"
-    _check_spin("landing", run, after, growth, RESTITUTION * mu * speed, suspect)
+    yield from _spin(run, after, growth, RESTITUTION * mu * speed, suspect)
 
 
-def _check_spin(law: str, run: LawRun, after: np.ndarray, growth, tolerance: float, suspect: str) -> None:
+def _spin(run: LawRun, after: np.ndarray, growth, tolerance: float, suspect: str) -> Iterator[Check]:
     """Check the velocity along the line and the spin after an impact: friction's impulse changes both."""
     tolerance += run.kick
     initial, plate = start_motion(run.case), run.case.plate
     exact = -np.sign(initial.omega) * growth
-    hold(law, "vx", run.motion.vx[after] - initial.vx - exact, tolerance, suspect)
+    yield "vx", run.motion.vx[after] - initial.vx - exact, tolerance, suspect
     ratio = plate.mass * (plate.radius or 0.0) / plate.inertia
     suspect = f"inertia of the plate, {suspect}"
-    hold(law, "the spin", run.motion.omega[after] - initial.omega - ratio * exact, ratio * tolerance, suspect)
+    yield "the spin", run.motion.omega[after] - initial.omega - ratio * exact, ratio * tolerance, suspect
 
 
-def perfectly_rough(route: Route) -> None:
+@law("perfectly rough")
+def perfectly_rough(d: Draw) -> Steps:
     """A disc rolls down a steep incline, whatever friction that takes: (m + J/r²) v̇ = m g sin."""
-    d = route.draw("perfectly rough")
     plate, radius, g, time = _disc(d)
     angle, duration = d.between(1.0, 1.3), 5 * time
-    run = route.simulate(
-        Case(incline(angle), plate, (Gravity(g), PerfectlyRough(), Unilateral()), Start(0.0), duration)
-    )
+    run = yield Case(incline(angle), plate, (Gravity(g), PerfectlyRough(), Unilateral()), Start(0.0), duration)
     growth = g * sin(angle) / (1 + plate.inertia / (plate.mass * radius**2))
     motion, creep = run.motion, run.motion.slip_resolution
-    hold("perfectly rough", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step)
+    yield "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step
     suspect = "PerfectlyRough, inertia of the plate, g of Gravity"
     spin = motion.omega + growth * motion.t / radius
-    hold("perfectly rough", "the spin", spin, (run.kick + creep) / radius, suspect)
+    yield "the spin", spin, (run.kick + creep) / radius, suspect
     most = 2 * creep + run.kick * (1 + plate.mass * radius**2 / plate.inertia)
-    hold("perfectly rough", "the slip", motion.slip, most, "PerfectlyRough")
+    yield "the slip", motion.slip, most, "PerfectlyRough"
 
 
-def guide(route: Route) -> None:
+@law("guide")
+def guide(d: Draw) -> Steps:
     """A track that also pulls keeps a frictionless disc where it would lift off: N = m g (3 cos φ − 2 cos φ₀)."""
-    d = route.draw("guide")
     plate, radius, g, _ = _disc(d)
     initial, size = d.between(0.18, 0.25), d.between(0.8, 1.2)
     length = size + radius
     duration = 3.5 * sqrt(length / g)
-    run = route.simulate(Case(hill(size), plate, (Gravity(g),), Start(initial), duration=duration))
+    run = yield Case(hill(size), plate, (Gravity(g),), Start(initial), duration=duration)
     motion = run.motion
     suspect = "Unilateral, which this case does not have: the track also pulls"
-    hold("guide", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step, suspect)
+    yield "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step, suspect
     angle = np.arctan2(motion.x, motion.y)
     speed = np.sqrt(2 * g * length * np.maximum(cos(initial) - np.cos(angle), 0.0))
-    hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick, "g of Gravity")
+    yield "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick, "g of Gravity"
     exact = plate.mass * g * (3 * np.cos(angle) - 2 * cos(initial))
     if exact.min() > -0.5 * plate.mass * g:
         raise AssertionError("guide: the disc does not reach the part where the track has to pull")
     # The first force may belong to the time before the motion; an error `kick` of the speed is one of the force.
     tolerance = 4 * plate.mass * run.kick * speed[1:] / length + plate.mass * run.kick + run.grain
-    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], tolerance, "the sign of the normal force, mass")
+    yield "the normal force", run.forces[0][1:] - exact[1:], tolerance, "the sign of the normal force, mass"
 
 
-def rolling_resistance(route: Route) -> None:
+@law("rolling resistance")
+def rolling_resistance(d: Draw) -> Steps:
     """A disc that rolls on a level line against a couple a·N: (m + J/r²) v̇ = −m g a/r, until it rests."""
-    d = route.draw("rolling resistance")
     plate, radius, g, time = _disc(d)
     arm, duration = float(f"{d.between(0.01, 0.03) * radius:.4g}"), 8 * time
     deceleration = g * arm / (radius**2 * (1 + plate.inertia / (plate.mass * radius**2)))
     # It does not come to rest.
     initial = d.signed(1.2, 2.0) * deceleration * duration
     effects = (Gravity(g), CoulombFriction(d.mu(0.3, 0.6)), RollingResistance(arm), Unilateral())
-    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0, omega=initial), duration=duration))
+    run = yield Case(LEVEL, plate, effects, Start(0.0, omega=initial), duration=duration)
     exact = initial - np.sign(initial) * deceleration * run.motion.t
     # The couple acts up to a step early or late, and a rolling disc may creep.
     tolerance = (
@@ -223,86 +219,67 @@ def rolling_resistance(route: Route) -> None:
     suspect = (
         f"arm of RollingResistance: {arm * slowed / (deceleration * duration):.4g} would fit, the case has {arm:g}"
     )
-    hold("rolling resistance", "the spin", run.motion.omega - exact, tolerance + 1e-9, suspect)
+    yield "the spin", run.motion.omega - exact, tolerance + 1e-9, suspect
 
 
-def belt(route: Route) -> None:
+@law("belt")
+def belt(d: Draw) -> Steps:
     """A disc set down on a conveyor: m v̇ = μ m g until it rolls on it, at t = b/(μ g (1 + m r²/J)); then v stays."""
-    d = route.draw("belt")
     plate, radius, g, time = _disc(d)
     mu, speed = d.mu(0.1, 0.4), d.signed(2.0, 4.0) * radius / time
     grip = 1 + plate.mass * radius**2 / plate.inertia
     rolls = abs(speed) / (mu * g * grip)
     effects = (Gravity(g), CoulombFriction(mu), Belt(speed), Unilateral())
-    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0, slip=-speed), duration=1.5 * rolls))
+    run = yield Case(LEVEL, plate, effects, Start(0.0, slip=-speed), duration=1.5 * rolls)
     motion = run.motion
     exact = np.sign(speed) * mu * g * np.minimum(motion.t, rolls)
     # Friction acts up to a step early or late, and a disc that sticks may creep.
     tolerance = run.kick + 2 * mu * g * run.step + 2 * motion.slip_resolution + 1e-9
     share = float(motion.vx[-1]) / (speed / grip)
     suspect = f"speed of Belt: {speed * share:.4g} would fit at the end, the case has {speed:g}; mu of CoulombFriction"
-    hold("belt", "vx", motion.vx - exact, tolerance, suspect)
+    yield "vx", motion.vx - exact, tolerance, suspect
     spin = plate.mass * radius / plate.inertia * exact
-    hold("belt", "the spin", motion.omega - spin, tolerance * plate.mass * radius / plate.inertia, suspect)
+    yield "the spin", motion.omega - spin, tolerance * plate.mass * radius / plate.inertia, suspect
     slip = exact * grip - speed
-    hold("belt", "the slip", motion.slip - slip, tolerance * grip, "speed of Belt: the slip is relative to the belt")
+    yield "the slip", motion.slip - slip, tolerance * grip, "speed of Belt: the slip is relative to the belt"
 
 
-def driven_track(route: Route) -> None:
+@law("driven track")
+def driven_track(d: Draw) -> Steps:
     """A disc on a table at x = j t³/6 rolls: J ω̇ = T r, m v̇ = T and v̇ + r ω̇ = j t give v̇ = j t/(1 + m r²/J)."""
-    d = route.draw("driven track")
     plate, radius, g, time = _disc(d)
     mu, grip, duration = d.mu(0.2, 0.5), 1 + plate.mass * radius**2 / plate.inertia, 8 * time
     # Friction stays below nine tenths of its bound.
     jerk = d.signed(0.7, 0.9) * mu * g * grip / duration
     effects = (Gravity(g), CoulombFriction(mu), Drive(x=f"{jerk / 6!r}*t**3"), Unilateral())
-    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0), duration))
+    run = yield Case(LEVEL, plate, effects, Start(0.0), duration)
     motion = run.motion
     table = 0.5 * jerk * motion.t**2
     # The table is up to a step early or late, and a disc that sticks may creep.
     tolerance = 2 * abs(jerk) * duration * run.step + 2 * motion.slip_resolution + 1e-9
     tolerance += 10 * run.rounding * run.speed * len(motion.t) ** 0.5
     suspect = "x of Drive: its second rate drives the plate by friction; inertia of the plate"
-    hold("driven track", "vx", motion.vx - table / grip, tolerance, suspect)
-    hold("driven track", "the spin", radius * motion.omega - table * (1 - 1 / grip), tolerance, suspect)
-    hold("driven track", "the slip", motion.slip, tolerance * grip, "x of Drive: the slip is relative to the track")
+    yield "vx", motion.vx - table / grip, tolerance, suspect
+    yield "the spin", radius * motion.omega - table * (1 - 1 / grip), tolerance, suspect
+    yield "the slip", motion.slip, tolerance * grip, "x of Drive: the slip is relative to the track"
 
 
-def fixed_rotation(route: Route) -> None:
+@law("fixed rotation")
+def fixed_rotation(d: Draw) -> Steps:
     """A plate of infinite inertia slides on a level line: v̇ = −μ g until it rests, at v₀²/(2 μ g), without a turn."""
-    d = route.draw("fixed rotation")
     plate, radius, g, time = _disc(d)
     mu, initial = d.mu(0.1, 0.4), d.signed(2.0, 4.0) * radius / time
     rests = abs(initial) / (mu * g)
     effects = (Gravity(g), CoulombFriction(mu), Unilateral())
-    run = route.simulate(Case(LEVEL, replace(plate, inertia=inf), effects, Start(0.0, slip=initial), 1.3 * rests))
+    run = yield Case(LEVEL, replace(plate, inertia=inf), effects, Start(0.0, slip=initial), 1.3 * rests)
     motion = run.motion
     exact = initial - np.sign(initial) * mu * g * np.minimum(motion.t, rests)
     tolerance = run.kick + 2 * mu * g * run.step + 2 * motion.slip_resolution + 1e-9
-    hold("fixed rotation", "vx", motion.vx - exact, tolerance, "mu of CoulombFriction, inertia of the plate (infinite)")
+    yield "vx", motion.vx - exact, tolerance, "mu of CoulombFriction, inertia of the plate (infinite)"
     way = float(motion.x[-1] - motion.x[0]) - initial * rests / 2
-    hold("fixed rotation", "the way", way, tolerance * float(motion.t[-1]), "mu of CoulombFriction")
-    hold("fixed rotation", "the spin", motion.omega * radius, 1e-9 * abs(initial), "inertia of the plate (infinite)")
+    yield "the way", way, tolerance * float(motion.t[-1]), "mu of CoulombFriction"
+    yield "the spin", motion.omega * radius, 1e-9 * abs(initial), "inertia of the plate (infinite)"
 
-
-Law = Callable[[Route], None]
-
-LAWS: dict[str, Law] = {
-    law.__name__: law
-    for law in (
-        load,
-        friction_by_speed,
-        bounce,
-        bounce_with_friction,
-        landing,
-        perfectly_rough,
-        guide,
-        rolling_resistance,
-        belt,
-        driven_track,
-        fixed_rotation,
-    )
-}
 
 # The laws that check an effect. (Without `Unilateral` the contact is a bilateral guide.)
 OF_EFFECT: dict[type, tuple[str, ...]] = {

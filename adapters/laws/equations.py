@@ -24,7 +24,8 @@ from cases.contact import follow, slip_velocity
 from cases.errors import DoesNotFit
 from cases.motion.mechanics import gravity
 
-from .runs import LawRun, Route, ease, hold
+from .runs import Check, LawRun, Steps, ease, law
+from .scenes import MORE_SCENES, SCENES
 
 # More samples than this do not change the integrals: the trapezoidal rule has an error of (T/n)² of them.
 MOST_SAMPLES = 2000
@@ -178,9 +179,10 @@ def residuals(model: Mechanics, k: ContactSamples, threshold: float) -> np.ndarr
     return reported - reported[:, :1] - integral
 
 
-def equations_of_motion(route: Route, scene: Case) -> None:
+@law("equations of motion", (*SCENES, *MORE_SCENES))
+def equations_of_motion(scene: Case) -> Steps:
     """m v and J ω change as the case's forces and the contact's conditions require, at every sample."""
-    run = route.simulate(scene)
+    run = yield scene
     k = kinematics(run)
     threshold = 2 * run.motion.slip_resolution + run.kick * ease(scene.plate)
     model, tolerance = Mechanics.of(scene), tolerances(run, k, threshold)
@@ -190,11 +192,11 @@ def equations_of_motion(route: Route, scene: Case) -> None:
         return suspicion(model, k, threshold, tolerance)
 
     for what, error, allowed in zip(("vx", "vy", "omega"), off, tolerance, strict=True):
-        hold("equations of motion", what, error, allowed, suspects)
+        yield what, error, allowed, suspects
     if not run.case.effect(PerfectlyRough) and model.mu:
-        _check_breakaway(run, k, model, threshold)
+        yield from _breakaway(run, k, model, threshold)
     early = run.case.duration - float(run.motion.t[-1])
-    hold("equations of motion", "the end of the motion", early, 2 * run.step, "Unilateral: the plate leaves its track")
+    yield "the end of the motion", early, 2 * run.step, "Unilateral: the plate leaves its track"
 
 
 def tolerances(run: LawRun, k: ContactSamples, threshold: float) -> np.ndarray:
@@ -216,19 +218,18 @@ def tolerances(run: LawRun, k: ContactSamples, threshold: float) -> np.ndarray:
     return np.array([velocity, velocity, plate.mass * plate.reach / plate.inertia * velocity])
 
 
-def _check_breakaway(run: LawRun, k: ContactSamples, model: Mechanics, threshold: float) -> None:
+def _breakaway(run: LawRun, k: ContactSamples, model: Mechanics, threshold: float) -> Iterator[Check]:
     """Slip begins after stick only where friction has reached its bound."""
     needed = accelerations(model, k, threshold).needed
     sticking = np.abs(k.slip) <= threshold
     for i in np.flatnonzero(sticking[:-1] & ~sticking[1:]):
-        lasted = sticking[max(0, i - LASTING_STICK) : i + 1]
+        steady = sticking[max(0, i - LASTING_STICK) : i + 1]
         leaves = np.abs(k.slip[i + 1 : i + 1 + LASTING_STICK])
-        if len(lasted) <= LASTING_STICK or not lasted.all() or not (leaves > threshold).all():
+        if len(steady) <= LASTING_STICK or not steady.all() or not (leaves > threshold).all():
             continue
         short = model.mu_static - needed[i]
         which = "mu_static" if model.mu_static != model.mu else "mu"
-        hold(
-            "equations of motion",
+        yield (
             f"friction over the normal force at the breakaway at {k.t[i]:.4g} s",
             max(float(short), 0.0),
             run.tilt + 1e-3 * model.mu_static,

@@ -14,8 +14,7 @@ from cases import Case, CoulombFriction, Flight, FreePlate, Gravity, Impact, Pla
 from cases.effects import Effect
 
 from .effects import RESTITUTION
-from .mechanics import Law
-from .runs import LawRun, Route, hold
+from .runs import LawRun, Steps, law
 from .scenes import LEVEL, Draw
 
 
@@ -52,11 +51,11 @@ def _velocities_after(run: LawRun, time: float) -> list[tuple[float, float, floa
     return [tuple(float(getattr(own, name)[after].mean()) for name in ("vx", "vy", "omega")) for own in plates]  # type: ignore[misc]
 
 
-def collision_of_free_plates(route: Route) -> None:
+@law("collision of free plates")
+def collision_of_free_plates(d: Draw) -> Steps:
     """A disc meets another in flight without friction: their momentum stays, and they part with e times the speed."""
-    d = route.draw("collision of free plates")
     case, speed, high, meets = _two_discs(d, d.but(0.3, 0.8, 0.5, 0.05))
-    run, impact = route.simulate(case), case.effect(Impact)
+    run, impact = (yield case), case.effect(Impact)
     assert impact is not None
     masses = case.plate.mass, case.others[0].plate.mass
     # An impact may take some periods of a spring.
@@ -65,14 +64,14 @@ def collision_of_free_plates(route: Route) -> None:
     suspect = "the reaction on the other plate, or the mass of each"
     momentum = masses[0] * first + masses[1] * second - masses[0] * speed
     tolerance = (10 * run.rounding * len(run.motion.t) ** 0.5 + 1e-9) * sum(masses) * abs(speed)
-    hold("collision of free plates", "the momentum", momentum, tolerance, suspect)
+    yield "the momentum", momentum, tolerance, suspect
     parting, exact = np.sign(speed) * (second - first), impact.restitution * abs(speed)
     suspect = f"restitution of Impact: {parting / abs(speed):.4g} would fit, the case has {impact.restitution:g}"
-    hold("collision of free plates", "the speed of parting", parting - exact, 2 * RESTITUTION * abs(speed), suspect)
+    yield "the speed of parting", parting - exact, 2 * RESTITUTION * abs(speed), suspect
     spins = max(abs(spin), abs(other_spin)) * case.plate.reach
-    hold("collision of free plates", "a spin", spins, RESTITUTION * abs(speed), "friction where the case has none")
+    yield "a spin", spins, RESTITUTION * abs(speed), "friction where the case has none"
     fall = run.motion.plate("second").y - high + 0.5 * _gravity(case) * run.motion.t**2
-    hold("collision of free plates", "y of the second plate", fall, run.kick * run.motion.t[-1], "its start, or g")
+    yield "y of the second plate", fall, run.kick * run.motion.t[-1], "its start, or g"
 
 
 def _gravity(case: Case) -> float:
@@ -82,12 +81,12 @@ def _gravity(case: Case) -> float:
     return gravity.g
 
 
-def friction_of_free_plates(route: Route) -> None:
+@law("friction of free plates")
+def friction_of_free_plates(d: Draw) -> Steps:
     """A spinning disc meets another in flight: friction takes μ of the impulse, with opposite forces on both."""
-    d = route.draw("friction of free plates")
     mu = d.mu(0.1, 0.3)
     case, speed, _, meets = _two_discs(d, 0.0, CoulombFriction(mu))
-    run = route.simulate(case)
+    run = yield case
     plates = case.plate, case.others[0].plate
     impulse = abs(speed) / (1.0 / plates[0].mass + 1.0 / plates[1].mass)
     (_, up, spin), (_, other_up, other_spin) = _velocities_after(run, meets + 2 * run.step)
@@ -96,23 +95,21 @@ def friction_of_free_plates(route: Route) -> None:
     suspect = f"mu of CoulombFriction between the plates: {found:.4g} would fit, the case has {mu:g}"
     # The direction of the contact turns if one plate falls a step longer than the other.
     tolerance = RESTITUTION * mu + run.kick * run.step / (case.plate.reach + plates[1].reach)
-    hold("friction of free plates", "the impulse on the first spin over the normal one", found - mu, tolerance, suspect)
+    yield "the impulse on the first spin over the normal one", found - mu, tolerance, suspect
     other = plates[1].inertia * along * other_spin / ((plates[1].radius or 1.0) * impulse)
     suspect = "the reaction on the other plate, or the inertia of each"
-    hold(
-        "friction of free plates", "the impulse on the second spin over the normal one", other - mu, tolerance, suspect
-    )
+    yield "the impulse on the second spin over the normal one", other - mu, tolerance, suspect
     # The forces are opposite: the sum of m vy is gravity's.
     falls = plates[0].mass * up + plates[1].mass * other_up
     after = run.motion.t[run.motion.t > meets + 2 * run.step]
     exact = -(plates[0].mass + plates[1].mass) * _gravity(case) * float(after.mean())
     grain = (plates[0].mass + plates[1].mass) * run.kick
-    hold("friction of free plates", "the momentum along gravity", falls - exact, grain, suspect)
+    yield "the momentum along gravity", falls - exact, grain, suspect
 
 
-def row_of_free_plates(route: Route) -> None:
+@law("row of free plates")
+def row_of_free_plates(d: Draw) -> Steps:
     """Equal discs in a row on a floor, some way apart, e = 1, without friction: each passes its speed on."""
-    d = route.draw("row of free plates")
     radius, g = d.between(0.08, 0.15), d.g()
     plate, gap, speed = d.disc(radius), d.between(0.3, 0.5) * radius, d.signed(1.0, 2.0) * sqrt(g * radius)
     way = np.sign(speed) * (2.0 * radius + gap)
@@ -122,15 +119,15 @@ def row_of_free_plates(route: Route) -> None:
     )
     effects = Gravity(g), Unilateral(), Flight(), Impact(1.0, "moreau")
     start = StartPose(0.0, radius, vx=speed)
-    run = route.simulate(Case(LEVEL, plate, effects, start, duration=4.0 * gap / abs(speed), others=others))
+    run = yield Case(LEVEL, plate, effects, start, duration=4.0 * gap / abs(speed), others=others)
     for name, share in zip(run.motion.plate_names, (0.0, 0.0, 1.0), strict=True):
         off = float(run.motion.plate(name).vx[-1]) - share * speed
-        hold("row of free plates", f"vx of {name}", off, 3 * RESTITUTION * abs(speed), "restitution of Impact")
+        yield f"vx of {name}", off, 3 * RESTITUTION * abs(speed), "restitution of Impact"
 
 
-def pile_of_free_plates(route: Route) -> None:
+@law("pile of free plates")
+def pile_of_free_plates(d: Draw) -> Steps:
     """Two discs that touch and one on both rest if μ is above 2 − √3."""
-    d = route.draw("pile of free plates")
     radius, g = d.between(0.08, 0.15), d.g()
     plate, mu = d.disc(radius), d.between(0.45, 0.6)
     others = (
@@ -139,19 +136,19 @@ def pile_of_free_plates(route: Route) -> None:
     )
     effects = Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(mu)
     start = StartPose(0.0, radius)
-    run = route.simulate(Case(LEVEL, plate, effects, start, duration=6.0 * sqrt(radius / g), others=others))
+    run = yield Case(LEVEL, plate, effects, start, duration=6.0 * sqrt(radius / g), others=others)
     # A step's fall, what engines leave of overlap, and as much for each of the steps in which contacts settle.
     tolerance = 10.0 * run.kick * run.step + 2e-3 * radius
     for name in run.motion.plate_names:
         own = run.motion.plate(name)
         off = np.hypot(own.x - own.x[0], own.y - own.y[0])
-        hold("pile of free plates", f"the way of {name}", off, tolerance, "mu of CoulombFriction between the plates")
+        yield f"the way of {name}", off, tolerance, "mu of CoulombFriction between the plates"
 
 
-def wedge_of_free_plates(route: Route) -> None:
+@law("wedge of free plates")
+def wedge_of_free_plates(d: Draw) -> Steps:
     """A disc slides without friction down a wedge that gives way: the wedge has the acceleration
     m g sin α cos α/(M + m sin²α) and does not turn."""
-    d = route.draw("wedge of free plates")
     radius, g, slope = d.between(0.08, 0.12), d.g(), d.between(0.35, 0.6)
     plate, width, mass = d.disc(radius), d.between(0.9, 1.3), d.between(0.5, 1.5)
     wedge = Plate.polygon([(0.0, 0.0), (width, 0.0), (0.0, width * tan(slope))], mass * plate.mass)
@@ -161,21 +158,9 @@ def wedge_of_free_plates(route: Route) -> None:
     # A quarter of the slope, of which the disc has three.
     duration = sqrt(0.5 * width / cos(slope) / (g * sin(slope) * (mass + 1.0) * share))
     effects = Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau")
-    run = route.simulate(Case(LEVEL, plate, effects, start, duration=duration, others=(other,)))
+    run = yield Case(LEVEL, plate, effects, start, duration=duration, others=(other,))
     own, rate = run.motion.plate("wedge"), -g * sin(slope) * cos(slope) * share
     suspect = "the corners or the mass of the polygon, or g"
-    hold("wedge of free plates", "vx of the wedge", own.vx - rate * run.motion.t, 2.0 * run.kick, suspect)
+    yield "vx of the wedge", own.vx - rate * run.motion.t, 2.0 * run.kick, suspect
     turns = width * own.theta
-    hold("wedge of free plates", "the turn of the wedge", turns, run.kick * run.step + 1e-3 * radius, suspect)
-
-
-LAWS: dict[str, Law] = {
-    law.__name__: law
-    for law in (
-        collision_of_free_plates,
-        friction_of_free_plates,
-        row_of_free_plates,
-        pile_of_free_plates,
-        wedge_of_free_plates,
-    )
-}
+    yield "the turn of the wedge", turns, run.kick * run.step + 1e-3 * radius, suspect

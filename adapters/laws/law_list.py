@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from typing import Any, NamedTuple
 
 from cases import NotSupported
 from cases.own_effects import registered
 
-from . import effects, free_plates, mechanics
-from .mechanics import Law
-from .runs import MissingQuantity, Route
+from . import runs
+from .runs import Law, MissingQuantity, Route
 
 
 def _own_laws() -> dict[str, Law]:
@@ -21,7 +21,10 @@ def _own_laws() -> dict[str, Law]:
     return {law.__name__: law for law in laws}
 
 
-LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS, **free_plates.LAWS, **_own_laws()}
+# Each module adds its laws when it is imported, in this order.
+for _module in ("mechanics", "equations", "effects", "free_plates"):
+    import_module(f".{_module}", __package__)
+LAWS: dict[str, Law] = {**runs.LAWS, **_own_laws()}
 
 
 class Verdict(NamedTuple):

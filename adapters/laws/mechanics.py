@@ -1,15 +1,14 @@
-"""Laws of mechanics that every adapter is checked against, as plain functions of one route of an adapter.
+"""Laws of mechanics that every adapter is checked against, as steps that `adapters.laws.runs` runs on one route.
 
-`LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
+A law raises AssertionError, which begins with the law's name, if the route breaks it, and
 NotSupported if the route cannot model the law's scene. No law compares solvers: each follows from Newton's and
 Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
@@ -18,9 +17,8 @@ from cases import Case, CoulombFriction, Curve, Flight, Gravity, NotSupported, S
 from cases.contact import follow, pose, slip_velocity, start_motion
 from cases.motion.mechanics import energy, energy_growth, gravity
 
-from .equations import equations_of_motion
-from .runs import LawRun, MissingQuantity, Route, ease, hold
-from .scenes import LEVEL, MORE_SCENES, SCENES, hill, incline, scene, turn_gravity
+from .runs import Check, LawRun, MissingQuantity, Steps, ease, law
+from .scenes import LEVEL, SCENES, Draw, disc_in_circle, hill, incline, turn_gravity
 
 
 def mirror(case: Case) -> Case:
@@ -48,27 +46,29 @@ def _mirror(curve: Curve) -> Curve:
 # --- laws ------------------------------------------------------------------------------------------------------------
 
 
-def starts_as_given(route: Route, scene: Case) -> None:
+@law("starts as given", (*SCENES, "off-centre disc", "thrown disc"))
+def starts_as_given(scene: Case) -> Steps:
     """The first sample has the start's pose and velocities."""
-    run, start = route.simulate(scene), start_motion(scene)
+    run, start = (yield scene), start_motion(scene)
     motion, size = run.motion, scene.plate.reach
-    hold("starts as given", "the first time", float(motion.t[0]), 1e-9)
+    yield "the first time", float(motion.t[0]), 1e-9
     # A pose of the step before or after, and the overlap that engines with soft contacts begin with.
     place = run.speed * run.step + 1e-3 * size
     for name, tolerance in (("x", place), ("y", place), ("theta", place / size)):
         off = float(getattr(motion, name)[0]) - getattr(start, name)
-        hold("starts as given", name, off, tolerance, f"{name} at the start: xi1, xi2 and gap of Start, centre of mass")
+        yield name, off, tolerance, f"{name} at the start: xi1, xi2 and gap of Start, centre of mass"
     kick = run.kick * ease(scene.plate) + 1e-9 * run.speed
     for name, tolerance in (("vx", kick), ("vy", kick), ("omega", kick / size)):
         off = float(getattr(motion, name)[0]) - getattr(start, name)
-        hold("starts as given", name, off, tolerance, f"{name} at the start: slip, omega and gap_rate of Start")
+        yield name, off, tolerance, f"{name} at the start: slip, omega and gap_rate of Start"
 
 
-def rates_of_pose(route: Route, scene: Case) -> None:
+@law("rates of the pose", SCENES)
+def rates_of_pose(scene: Case) -> Steps:
     """x, y and θ change by the integrals of vx, vy and ω."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
 
-    run = route.simulate(scene)
+    run = yield scene
     motion, size = run.motion, scene.plate.reach
     # Velocities of a step earlier or later change the integral by their change over the motion, times the step.
     away = 2 * run.speed * run.step + 1e-9 * size + run.speed * run.corners * float(motion.t[-1])
@@ -76,20 +76,18 @@ def rates_of_pose(route: Route, scene: Case) -> None:
         values = getattr(motion, name)
         off = values - values[0] - cumulative_trapezoid(getattr(motion, rate), motion.t, initial=0.0)
         suspect = f"{rate}: its sign, unit, frame or time; or {name}"
-        hold("rates of the pose", f"{name} less the integral of {rate}", off, tolerance, suspect)
+        yield f"{name} less the integral of {rate}", off, tolerance, suspect
 
 
-def friction_torque(route: Route) -> None:
+@law("friction torque")
+def friction_torque(d: Draw) -> Steps:
     """A sliding disc spins up: ω = −(μ g t) m r/J, whatever its inertia."""
-    d = route.draw("friction torque")
     mu, g, radius = d.mu(), d.g(), d.between(0.08, 0.15)
     plate = d.disc(radius)
     lever, slip = plate.mass * radius / plate.inertia, d.signed(2.0, 4.0) * sqrt(g * radius)
     # It would roll after v₀/(μ g (1 + m r²/J)).
     duration = 0.8 * abs(slip) / (mu * g * (1 + lever * radius))
-    run = route.simulate(
-        Case(LEVEL, plate, (Gravity(g), CoulombFriction(mu), Unilateral()), Start(0.0, slip=slip), duration)
-    )
+    run = yield Case(LEVEL, plate, (Gravity(g), CoulombFriction(mu), Unilateral()), Start(0.0, slip=slip), duration)
     exact = -np.sign(slip) * mu * g * run.motion.t * lever
     # The kick of friction, with the same lever.
     tolerance = mu * run.kick * lever
@@ -97,20 +95,20 @@ def friction_torque(route: Route) -> None:
     suspect = (
         f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}; or inertia of the plate, or g of Gravity"
     )
-    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, tolerance, suspect)
+    yield "the spin of a sliding disc", run.motion.omega - exact, tolerance, suspect
 
 
-def cone(route: Route, scene: Case) -> None:
+@law("cone", SCENES)
+def cone(scene: Case) -> Steps:
     """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts without a normal force."""
-    run = route.simulate(scene)
+    run = yield scene
     normal, friction = run.forces
     mu = _mu(scene)
     # A normal force whose direction has the error `tilt` has this part along the tangent; 1e-9 of the weight is
     # rounding.
     nothing = 1e-9 * scene.weight + run.grain
-    hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing, "mu of CoulombFriction")
-    hold(
-        "cone",
+    yield "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing, "mu of CoulombFriction"
+    yield (
         "the normal force below zero",
         np.minimum(normal, 0.0),
         run.tilt * np.abs(friction) + nothing,
@@ -118,9 +116,10 @@ def cone(route: Route, scene: Case) -> None:
     )
 
 
-def friction_opposes_slip(route: Route, scene: Case) -> None:
+@law("friction opposes slip", SCENES)
+def friction_opposes_slip(scene: Case) -> Steps:
     """T = −μ N sign(v) where the plate certainly slips: the force's direction, and its mean size."""
-    run, mu = route.simulate(scene), _mu(scene)
+    run, mu = (yield scene), _mu(scene)
     motion = run.motion
     # Slip that a step can reverse is left out: friction acts in both directions there.
     sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * ease(scene.plate)
@@ -132,31 +131,33 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     # On facets the force of one step is noise, but the sum is not.
     found = float(against.sum() / push.sum())
     suspect = f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}"
-    hold("friction opposes slip", "the sum of friction", found - mu, run.tilt + 1e-6, suspect)
+    yield "the sum of friction", found - mu, run.tilt + 1e-6, suspect
 
 
-def sticking_threshold(route: Route) -> None:
+@law("sticking threshold")
+def sticking_threshold(d: Draw) -> Steps:
     """A disc rolls down an incline up to tan = μ (1 + m r²/J) and slips beyond; checked 0.1 % on either side."""
-    d, off = route.draw("sticking threshold"), 1e-3
+    off = 1e-3
     mu, g, radius = d.mu(0.08, 0.15), d.g(), d.between(0.08, 0.15)
     plate = d.disc(radius)
     factor, duration = 1 + plate.mass * radius**2 / plate.inertia, 10 * sqrt(radius / g)
     for share, slips in ((1 - off, False), (1 + off, True)):
         angle = atan(factor * mu * share)
         effects = (Gravity(g), CoulombFriction(mu), Unilateral())
-        run = route.simulate(Case(incline(angle), plate, effects, Start(0.0), duration=duration))
+        run = yield Case(incline(angle), plate, effects, Start(0.0), duration=duration)
         # Slip grows with g (sin − factor μ cos), if it grows; that is cos·factor·μ·off.
         growth = g * factor * mu * off * cos(angle) * duration
         side = "above" if slips else "below"
         what = f"slip 0.1 % {side} tan = mu (1 + m r^2/J)"
         # Half of the slip on the other side distinguishes the two.
         suspect = "mu or mu_static of CoulombFriction, g of Gravity, inertia of the plate"
-        hold("sticking threshold", what, run.motion.slip[-1] - (growth if slips else 0.0), 0.5 * growth, suspect)
+        yield what, run.motion.slip[-1] - (growth if slips else 0.0), 0.5 * growth, suspect
 
 
-def no_friction_no_spin(route: Route) -> None:
+@law("no spin-up without friction", key="disc in a circle")
+def no_friction_no_spin(d: Draw) -> Steps:
     """Without friction a disc keeps its spin, since the normal force points at its centre."""
-    run = route.simulate(_frictionless(scene("disc in a circle", route.seed)))
+    run = yield _frictionless(disc_in_circle(d))
     omega = run.motion.omega
     from scipy.integrate import trapezoid  # slow to import
 
@@ -166,20 +167,20 @@ def no_friction_no_spin(route: Route) -> None:
     plate, push = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
     tolerance = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * push / plate.inertia
     suspect = "friction where the case has none, angular damping"
-    hold("no spin-up without friction", "the spin", omega - omega[0], tolerance, suspect)
+    yield "the spin", omega - omega[0], tolerance, suspect
 
 
 def _frictionless(case: Case) -> Case:
     return replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction)))
 
 
-def energy_conservation(route: Route, scene: Case) -> None:
+@law("energy conservation without friction", SCENES)
+def energy_conservation(scene: Case) -> Steps:
     """Without friction the energy is constant."""
     frictionless = _frictionless(scene)
-    run = route.simulate(frictionless)
+    run = yield frictionless
     total = energy(frictionless, run.motion)
-    hold(
-        "energy conservation without friction",
+    yield (
         "the energy",
         total - total[0],
         run.loss + _swing(run),
@@ -187,12 +188,12 @@ def energy_conservation(route: Route, scene: Case) -> None:
     )
 
 
-def energy_never_grows(route: Route, scene: Case) -> None:
+@law("energy never grows", SCENES)
+def energy_never_grows(scene: Case) -> Steps:
     """With friction and no load the energy never increases."""
-    run = route.simulate(scene)
+    run = yield scene
     total = energy(scene, run.motion)
-    hold(
-        "energy never grows",
+    yield (
         "the energy, above its least so far,",
         energy_growth(total),
         _swing(run),
@@ -200,36 +201,38 @@ def energy_never_grows(route: Route, scene: Case) -> None:
     )
 
 
-def mirror_image(route: Route, scene: Case) -> None:
+@law("mirror image", SCENES)
+def mirror_image(scene: Case) -> Steps:
     """The mirrored case has the mirrored motion."""
-    here, there = route.simulate(scene), route.simulate(mirror(scene))
+    here, there = (yield scene), (yield mirror(scene))
     a, b = _common(here, there)
     image = replace(b, x=-b.x, theta=-b.theta)
-    _hold_same_motion("mirror image", here, a, image, "signs of directions, of the spin or of the slip")
+    yield from _same_motion(here, a, image, "signs of directions, of the spin or of the slip")
 
 
-def turn_frame(route: Route, scene: Case) -> None:
+@law("turned frame", SCENES)
+def turn_frame(scene: Case) -> Steps:
     """The case turned about the origin, gravity and all, has the turned motion."""
     angle = 2.1
-    here, there = route.simulate(scene), route.simulate(turn_gravity(scene, angle))
+    here, there = (yield scene), (yield turn_gravity(scene, angle))
     a, b = _common(here, there)
     back = replace(
         b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
     )
-    _hold_same_motion("turned frame", here, a, back, "direction of Gravity, components in a fixed frame")
+    yield from _same_motion(here, a, back, "direction of Gravity, components in a fixed frame")
 
 
-def on_its_track(route: Route, scene: Case) -> None:
+@law("on its track", (*SCENES, "off-centre disc", "disc on a bump"))
+def on_its_track(scene: Case) -> Steps:
     """The plate touches the case's track, at the reported parameters, with the reported slip."""
-    run = route.simulate(scene)
+    run = yield scene
     motion, reach = run.motion, scene.plate.reach
     gap = follow(scene, motion.x, motion.y, motion.theta)[2]
     # The displacement in a step, the corners' sagitta, and the overlap that engines do not correct.
     tolerance = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
-    hold("on its track", "the gap", gap, tolerance, "curve of the track, outline and centre of mass of the plate")
+    yield "the gap", gap, tolerance, "curve of the track, outline and centre of mass of the plate"
     slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1, motion.t)
-    hold(
-        "on its track",
+    yield (
         "the slip",
         motion.slip - slip,
         run.kick * ease(scene.plate) + run.tilt * run.speed,
@@ -240,11 +243,13 @@ def on_its_track(route: Route, scene: Case) -> None:
 _BALANCE = "the reported forces, mass or inertia of the plate, g of Gravity"
 
 
-def momentum_balance(route: Route, scene: Case) -> None:
+@law("momentum balance", SCENES)
+def momentum_balance(scene: Case) -> Steps:
     """m v and J ω change by the integrals of the reported forces: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
 
-    run, motion, plate = route.simulate(scene), route.simulate(scene).motion, scene.plate
+    run, plate = (yield scene), scene.plate
+    motion = run.motion
     tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
     normal_force, friction_force = run.forces
     fx, fy = normal_force * normal + friction_force * tangent
@@ -267,17 +272,17 @@ def momentum_balance(route: Route, scene: Case) -> None:
             lever * plate.mass * run.kick + doubt,
         ),
     ):
-        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), tolerance, _BALANCE)
+        yield f"{what} against the reported forces", change - sum_up(force), tolerance, _BALANCE
 
 
-def lift_off(route: Route) -> None:
+@law("lift-off")
+def lift_off(d: Draw) -> Steps:
     """A frictionless disc released near the top of a circle leaves it where N vanishes: at ⅔ of its initial cos φ."""
-    d = route.draw("lift-off")
     g, size, initial = d.g(), d.between(0.8, 1.2), d.between(0.18, 0.25)
     plate = d.disc(d.between(0.08, 0.12) * size)
     length = size + (plate.radius or 0.0)
     case = Case(hill(size), plate, (Gravity(g), Unilateral()), Start(initial), duration=3.8 * sqrt(length / g))
-    run = route.simulate(case)
+    run = yield case
     motion = run.motion
     if motion.status != "lift_off":
         raise AssertionError(
@@ -288,7 +293,7 @@ def lift_off(route: Route) -> None:
     # The displacement in a step, and N = m (g cos φ − v²/L) with an error `kick` of the speed.
     tolerance = run.step * speed / length + 2 * speed * run.kick / (3 * g * length) + _hop(run, speed, length, g)
     suspect = "g of Gravity, Unilateral, radius of the track or of the plate"
-    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance, suspect)
+    yield "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance, suspect
 
 
 def _hop(run: LawRun, speed: float, length: float, g: float) -> float:
@@ -309,9 +314,9 @@ def _hop(run: LawRun, speed: float, length: float, g: float) -> float:
     return sqrt(4 * speed**3 * run.step * sqrt(1 - (speed**2 / (g * length)) ** 2) / (9 * g * length**2))
 
 
-def free_fall(route: Route) -> None:
+@law("free fall")
+def free_fall(d: Draw) -> Steps:
     """A disc off its track falls along a parabola and keeps its spin."""
-    d = route.draw("free fall")
     g, radius = d.g(), d.between(0.08, 0.15)
     plate, time = d.disc(radius), sqrt(radius / g)
     omega, gap = d.signed(0.3, 1.0) / time, d.between(4.0, 6.0) * radius
@@ -320,9 +325,9 @@ def free_fall(route: Route) -> None:
     )
     # It would land after √(2 gap/g), if it did not rise or sink.
     duration = 0.7 * sqrt(2 * gap / g)
-    run = route.simulate(Case(LEVEL, plate, (Gravity(g), Unilateral(), Flight()), start, duration))
+    run = yield Case(LEVEL, plate, (Gravity(g), Unilateral(), Flight()), start, duration)
     start_state, motion, t = start_motion(run.case), run.motion, run.motion.t
-    hold("free fall", "the end of the motion", float(t[-1]) - duration, 2 * run.step, "Flight, gap of Start")
+    yield "the end of the motion", float(t[-1]) - duration, 2 * run.step, "Flight, gap of Start"
     # Gravity acts up to a step early or late, and the angle has an error of one step's turn; 1e-9 is rounding, and so
     # is the random walk of single precision.
     turn = start_state.omega**2 * run.step * duration
@@ -341,7 +346,7 @@ def free_fall(route: Route) -> None:
         ("theta", motion.theta, start_state.theta + start_state.omega * t, turn, "omega of Start, unit of the angle"),
         ("omega", motion.omega, start_state.omega, 1e-9, "omega of Start, angular damping"),
     ):
-        hold("free fall", what, values - exact, tolerance + grain, suspect)
+        yield what, values - exact, tolerance + grain, suspect
 
 
 def _mu(case: Case) -> float:
@@ -364,42 +369,11 @@ def _common(here: LawRun, there: LawRun) -> tuple[Trajectory, Trajectory]:
     return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
-def _hold_same_motion(law: str, run: LawRun, a: Trajectory, b: Trajectory, suspect: str) -> None:
+def _same_motion(run: LawRun, a: Trajectory, b: Trajectory, suspect: str) -> Iterator[Check]:
     # An error `kick` of the velocity during the whole motion.
     drift = run.kick * float(a.t[-1])
-    hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
-    hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift, suspect)
+    yield "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step
+    yield "the centre", np.hypot(a.x - b.x, a.y - b.y), drift, suspect
     turns = 2 * pi * round(float(a.theta[0] - b.theta[0]) / (2 * pi))
     size = run.case.plate.radius or float(np.hypot(*run.case.plate.outline.point(np.pi / 2)))
-    hold(law, "the angle", a.theta - b.theta - turns, drift / size, suspect)
-
-
-Law = Callable[[Route], None]
-
-
-def _everywhere(law: Callable[[Route, Case], None], names: Iterable[str] = tuple(SCENES)) -> dict[str, Law]:
-    return {f"{law.__name__}[{name}]": partial(_on, law, name) for name in names}
-
-
-def _on(law: Callable[[Route, Case], None], name: str, route: Route) -> None:
-    law(route, scene(name, route.seed))
-
-
-LAWS: dict[str, Law] = {
-    "friction_torque": friction_torque,
-    "sticking_threshold": sticking_threshold,
-    "no_friction_no_spin": no_friction_no_spin,
-    "lift_off": lift_off,
-    "free_fall": free_fall,
-    **_everywhere(starts_as_given, (*SCENES, "off-centre disc", "thrown disc")),
-    **_everywhere(rates_of_pose),
-    **_everywhere(equations_of_motion, (*SCENES, *MORE_SCENES)),
-    **_everywhere(on_its_track, (*SCENES, "off-centre disc", "disc on a bump")),
-    **_everywhere(cone),
-    **_everywhere(friction_opposes_slip),
-    **_everywhere(energy_conservation),
-    **_everywhere(energy_never_grows),
-    **_everywhere(mirror_image),
-    **_everywhere(turn_frame),
-    **_everywhere(momentum_balance),
-}
+    yield "the angle", a.theta - b.theta - turns, drift / size, suspect

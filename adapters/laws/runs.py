@@ -13,9 +13,10 @@ Tolerances. They follow from the rung that is run (the second finest) and from t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial, wraps
 from math import pi
 from typing import Any
 
@@ -25,7 +26,7 @@ from cases import Case, Load, NotSupported, Plate, Trajectory
 from cases.motion.mechanics import gravity
 
 from ..interface import Setting, other_laws, refusal
-from .scenes import Draw, draw
+from .scenes import Draw, draw, scene
 
 # Each engine's own tests use the finest rung; the one before costs half, and every tolerance follows it.
 RUNG = -2
@@ -152,6 +153,46 @@ def _run(adapter, route: str, case: Case) -> LawRun:
     model = adapter.build(case, route, setting)
     adapter.run(model)
     return LawRun(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
+
+
+# A check of a law: what is compared, its error, the tolerance, and the suspects (see `hold`).
+Check = tuple[Any, ...]
+# A law as steps: it yields the cases to be run, is sent each run, and yields its checks.
+Steps = Generator[Case | Check, LawRun, None]
+MakeSteps = Callable[[Any], Steps]
+Law = Callable[[Route], None]
+
+
+# All laws by the name of their function, those in scenes with the scene's name in brackets.
+LAWS: dict[str, Law] = {}
+
+
+def law(name: str, scenes: Iterable[str] = (), key: str = "") -> Callable[[MakeSteps], Callable[..., None]]:
+    """Add steps to `LAWS`: in each of the scenes or, without any, with values that are drawn for the key (default: the
+    name). The law, a function of a route and a scene, raises AssertionError, which begins with the name, for the first
+    check that fails."""
+
+    def add(steps: MakeSteps) -> Callable[..., None]:
+        @wraps(steps)
+        def check(route: Route, scene: Case | None = None) -> None:
+            todo = steps(scene or route.draw(key or name))
+            with suppress(StopIteration):
+                step = next(todo)
+                while True:
+                    if isinstance(step, Case):
+                        step = todo.send(route.simulate(step))
+                    else:
+                        hold(name, *step)
+                        step = next(todo)
+
+        LAWS.update({f"{steps.__name__}[{own}]": partial(_in_scene, check, own) for own in scenes})
+        return check if scenes else LAWS.setdefault(steps.__name__, check)
+
+    return add
+
+
+def _in_scene(check: Callable[..., None], name: str, route: Route) -> None:
+    check(route, scene(name, route.seed))
 
 
 def ease(plate: Plate) -> float:

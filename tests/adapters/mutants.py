@@ -226,18 +226,3 @@ class Mutant(NamedTuple):
     law: str
     words: str
     adapter: Callable[[], Any]
-
-
-def equations(scene: str) -> str:
-    """The name of the law of the equations of motion in that scene."""
-    return f"equations_of_motion[{scene}]"
-
-
-def case_mutant(name: str, law: str, words: str, change: Callable[[Case], Case]) -> Mutant:
-    """A mutant that runs another case."""
-    return Mutant(name, law, words, lambda: of_case(change))
-
-
-def motion_mutant(name: str, law: str, words: str, **columns: Callable[[Trajectory], np.ndarray]) -> Mutant:
-    """A mutant that reports other columns."""
-    return Mutant(name, law, words, lambda: of_motion(**columns))

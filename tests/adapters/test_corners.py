@@ -1,4 +1,4 @@
-"""Engines on curves with corners: corners as corners, convergence to the true motion, and routes that reject them."""
+"""Contacts on curves with corners, found from poses, and a block as one polygon of engines in JavaScript."""
 
 import json
 import shutil
@@ -11,15 +11,11 @@ import pytest
 import adapters
 import reference
 from adapters.by_process.scene_file import as_json, scene
-from adapters.interface import refusal
-from cases import Case, Chain, CoulombFriction, Gravity, Plate, Start, Unilateral, disc, library
 from cases.contact import find, follow, pose
 
-EFFECTS = (Gravity(9.81), CoulombFriction(0.4), Unilateral())
-TABLE = Chain.polyline([(-1, 0), (0, 0), (0, -1)])
-ROLLS_OFF = Case(TABLE, disc(0.1, 1.0), EFFECTS, Start(0.9, omega=-3.0), 1.0)
-ROCKS = Case(library.hill(1.0), Plate.rectangle(0.3, 0.1, 1.0), EFFECTS, Start(0.1), 0.8)
-WHEEL = Case(library.line(0.2), Plate.reuleaux(0.3, 1.0), EFFECTS, Start(0.1), 1.0)
+from .test_motions import SCENES
+
+ROLLS_OFF, ROCKS, WHEEL = (SCENES[name]() for name in ("disc over an edge", "block on a hill", "Reuleaux wheel"))
 
 
 @pytest.mark.parametrize("case", [ROLLS_OFF, ROCKS, WHEEL])
@@ -55,45 +51,3 @@ def test_contact_moves_on_to_the_next_pieces():
     x, y, theta = pose(ROLLS_OFF, 1.5, 4.0)
     contact = find(ROLLS_OFF, float(x), float(y), float(theta), (0.9, 4.0))
     assert contact.xi1 == pytest.approx(1.5, abs=1e-12) and abs(contact.gap) < 1e-14
-
-
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("name", ["pymunk", "box2d"])
-@pytest.mark.parametrize(("case", "order"), [(ROLLS_OFF, None), (ROCKS, 0.7), (WHEEL, 0.7)])
-def test_engine_has_the_corners_and_converges(name, case, order):
-    """The disc's motion on the table is exact to rounding, as on any line; that of a rocking plate converges."""
-    engine = pytest.importorskip({"box2d": "pyb2d3"}.get(name, name)) and adapters.engine(name)
-    truth, errors = reference.simulate(case), []
-    for setting in engine.ladder(case, "native")[2:6]:
-        model = engine.build(case, "native", setting)
-        engine.run(model)
-        motion = engine.read(model)
-        early = motion.t <= 0.9 * min(truth.t[-1], motion.t[-1])
-        true = truth(motion.t[early])
-        errors.append(np.hypot(motion.x[early] - true.x, motion.y[early] - true.y).max())
-    if order is None:
-        assert errors[-1] < 2e-3
-    else:
-        steps = [setting["h"] for setting in engine.ladder(case, "native")[2:6]]
-        assert errors[0] / errors[-1] > (steps[0] / steps[-1]) ** order / 2, errors
-
-
-@pytest.mark.parametrize("name", ["pymunk", "box2d"])
-def test_outline_with_corners_that_point_inwards_is_rejected(name):
-    """A gear as one convex polygon would be its hull."""
-    engine = pytest.importorskip({"box2d": "pyb2d3"}.get(name, name)) and adapters.engine(name)
-    case = Case(library.line(0.2), Plate.gear(0.1, 6, 0.02, 1.0), EFFECTS, Start(0.0, xi2=0.3), 1.0)
-    assert "point inwards" in (refusal(engine, case, "native") or "")
-    assert refusal(engine, ROCKS, "native") is None
-
-
-def test_routes_without_corners_reject_them_in_one_sentence():
-    """Each engine here or its executable, on each route: a sentence, or shapes with corners."""
-    for name in adapters.engines():
-        try:
-            engine = adapters.engine(name)
-        except ImportError:
-            continue
-        for route in engine.routes:
-            if route not in getattr(engine, "CORNERS", ()):
-                assert "corners" in (refusal(engine, ROCKS, route) or ""), (name, route)

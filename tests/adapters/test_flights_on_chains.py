@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-import cases
 import reference
 from adapters import EngineFailure, refusal
 from cases import (
@@ -82,20 +81,3 @@ def test_a_disc_dropped_on_a_chain_lands_when_it_falls_to_it():
     motion = adapter.read(model)
     # A fall of 0.05 m, within two steps of 2 ms.
     assert motion.status == "landing" and motion.t[-1] == pytest.approx((2 * 0.05 / 9.81) ** 0.5, abs=4e-3)
-
-
-@pytest.mark.sampled(30)
-@pytest.mark.parametrize("label", [case.label for name in cases.names() for case in cases.select(name)])
-def test_every_scene_of_the_catalogue_is_run_or_refused_by_exudyn(label):
-    """With the coarsest settings: an engine that gives up says so, and nothing else fails."""
-    adapter = pytest.importorskip("adapters.exudyn")
-    case = next(case for case in cases.select(label) if case.label == label)
-    if reason := refusal(adapter, case, "native"):
-        assert reason.endswith(".")
-        return
-    model = adapter.build(case, "native", adapter.ladder(case, "native")[1])
-    adapter.run(model)
-    try:
-        assert np.isfinite(adapter.read(model).x).all()
-    except EngineFailure as failure:
-        assert "Exudyn" in str(failure)

@@ -12,10 +12,7 @@ from hypothesis import strategies as st
 import cases
 from adapters import EngineFailure
 from adapters.common.half_steps import StepRecord, rates_at_poses, read
-from adapters.lookup import engine
 from cases import Case, Flight, Gravity, Impact, Start, Unilateral, disc, library
-from reports.judging.slip_phases import read_transitions
-from tests.authorities.paper_application import FIRST_TRANSITION
 
 G = 9.81
 
@@ -108,23 +105,3 @@ def test_rows_that_are_no_numbers_are_no_motion():
     short = StepRecord(noted.case, noted.h, noted.steps, noted.rows[:2])
     with pytest.raises(EngineFailure, match="fewer than three steps"):
         read(short)
-
-
-# --- engines ----------------------------------------------------------------------------------------------------------
-
-
-def first_transition(name: str, h: float) -> float:
-    case, adapter = cases.load("disc_in_circle", mu=0.2, duration=1.0), engine(name)
-    setting = adapter.ladder(case, "assisted")[-1].but(h=h)
-    model = adapter.build(case, "assisted", setting)
-    adapter.run(model)
-    return read_transitions(adapter.read(model))[0].time
-
-
-def test_two_engines_of_one_integrator_are_off_by_the_same():
-    """Both take the same semi-implicit step with the same contact point: what differs are sweeps of their solvers."""
-    pytest.importorskip("pymunk")
-    pytest.importorskip("pybullet")
-    for h in (2e-3, 1e-3):
-        one, other = (first_transition(name, h) - FIRST_TRANSITION[0.2][0] for name in ("pymunk", "pybullet"))
-        assert one == pytest.approx(other, rel=0.01)

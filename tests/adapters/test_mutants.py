@@ -11,8 +11,8 @@ from adapters.laws import LAWS, MORE_SCENES, SCENES, Route, scene
 from cases import CoulombFriction, Gravity
 from cases.effects import Effect
 
-from .mutant_list import MUTANTS, Mutant
-from .mutants import effect, friction, of_case
+from .mutant_list import MUTANTS
+from .mutants import Mutant, effect, friction, of_case
 
 # One mutant of each part takes seconds; all of them take two minutes.
 SAMPLE = MUTANTS[::9]
@@ -49,8 +49,10 @@ def test_every_mistake_is_caught_by_some_law_whatever_the_seed(mutant, seed):
 
 
 def test_the_collection_has_the_size_it_should():
-    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS) >= 74
+    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS) >= 125
     assert {mutant.law for mutant in MUTANTS} <= LAWS.keys()
+    # Every law has a wrong adapter that it catches.
+    assert {mutant.law.partition("[")[0] for mutant in MUTANTS} == {law.partition("[")[0] for law in LAWS}
 
 
 # Laws whose scene takes the reference more than a second.

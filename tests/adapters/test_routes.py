@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-import adapters
 import cases
-from adapters import Setting
-from cases import Case, Trajectory
+from adapters import EngineFailure, Setting, engine
+from cases import Case, Curve, Gravity, Start, Unilateral, curves, disc
 from cases.contact import start_motion
 from reports.judging import slip_phases
 from reports.judging.transitions import read_motion
@@ -19,27 +19,16 @@ from reports.running.calls import Calls
 from reports.running.records import one_default
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
+from .engines import play, routes
+
+G, PUSH = Gravity(9.81), Unilateral()
 OUTCOMES = {"answered", "unsupported", "crashed", "timed_out"}
 # A disc in a circle, on a line, in a valley, off a hill; a plate that is none on a line and on a hill; no gravity.
 LADDER_CASES = (
     "disc_in_circle[mu=0.1]", "disc_on_line[mu=0.1]", "disc_in_cosine", "disc_sliding_off_hill",
     "ellipse_on_line[mu=1]", "ellipse_on_hill", "disc_in_weightless_ring",
 )  # fmt: skip
-
-
-def installed() -> list[str]:
-    """The engines that can be imported here."""
-    found = []
-    for name in adapters.engines():
-        try:
-            adapters.engine(name)
-        except ImportError:
-            continue
-        found.append(name)
-    return found
-
-
-ROUTES = [(name, route) for name in installed() for route in adapters.engine(name).routes]
+every_route = pytest.mark.parametrize(("name", "route"), routes())
 
 
 def one(label: str) -> Case:
@@ -47,29 +36,14 @@ def one(label: str) -> Case:
     return case
 
 
-def play(name: str, route: str, case: Case, setting: Setting) -> Trajectory:
-    adapter = adapters.engine(name)
-    model = adapter.build(case, route, setting)
-    adapter.run(model)
-    return adapter.read(model)
-
-
-def first_error(name: str, route: str, mu: float, setting: Setting | None = None) -> float:
-    """Error of the first transition of the paper's application, s; of the finest rung if no setting is given."""
-    case = cases.load("disc_in_circle", mu=mu, duration=1.2)
-    moved = play(name, route, case, setting or adapters.engine(name).ladder(case, route)[-1])
-    return slip_phases.read_transitions(moved, mu)[0].time - FIRST_TRANSITION[mu][0]
-
-
 # --- ladders ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("label", LADDER_CASES)
-@pytest.mark.parametrize(("name", "route"), ROUTES)
-def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(name, route, label):
-    adapter, case = adapters.engine(name), one(label)
-    refusal = adapter.refuses(case, route)
-    if refusal:
+@every_route
+def test_ladder_begins_with_the_engine_as_it_comes_and_tightens_every_knob(name, route, label):
+    adapter, case = engine(name), one(label)
+    if refusal := adapter.refuses(case, route):
         pytest.skip(refusal)
     settings = adapter.ladder(case, route)
     assert [setting.is_default for setting in settings] == [True] + [False] * (len(settings) - 1)
@@ -78,12 +52,15 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
     assert len({str(setting) for setting in settings}) == len(settings)
     steps = [setting["h"] for setting in settings[1:]]
     assert all(coarse > fine > 0.0 for coarse, fine in zip(steps[:-1], steps[1:], strict=True))
+    for knob, sign in (("facets", 1), ("vertices", 1), ("k", 1), ("hertz", 1), ("vreg", -1)):
+        values = [sign * setting.get(knob, 0) for setting in settings[1:]]
+        assert values == sorted(values), knob
 
 
 @pytest.mark.parametrize("label", LADDER_CASES)
-@pytest.mark.parametrize(("name", "route"), ROUTES)
+@every_route
 def test_default_settings_are_a_small_grid_that_begins_with_the_ladder(name, route, label):
-    adapter, case = adapters.engine(name), one(label)
+    adapter, case = engine(name), one(label)
     if not hasattr(adapter, "default_grid") or adapter.refuses(case, route):
         pytest.skip("it has no grid of default settings for this case")
     grid, ladder = adapter.default_grid(case, route), adapter.ladder(case, route)
@@ -93,18 +70,29 @@ def test_default_settings_are_a_small_grid_that_begins_with_the_ladder(name, rou
     assert offer.settings == (*grid, *ladder[1:])
 
 
+@pytest.mark.parametrize(("name", "label", "knob"), [
+    ("box2d", "disc_in_circle", "facets"), ("box2d", "disc_on_line", "hertz"), ("pymunk", "disc_in_circle", "facets"),
+])  # fmt: skip
+def test_grid_has_every_step_with_every_model_and_ends_with_the_finest(name, label, knob):
+    settings = pytest.importorskip(f"adapters.{name}").grid(cases.load(label), "native")
+    pairs = [(setting["h"], setting[knob], setting.get("neighbors", 0)) for setting in settings]
+    steps, models = {h for h, *_ in pairs}, {tuple(model) for _, *model in pairs}
+    assert len(set(pairs)) == len(pairs) == len(steps) * len(models) >= 9
+    assert pairs[-1] == (min(steps), *max(models))
+
+
 # --- rows ------------------------------------------------------------------------------------------------------------
 
 
-def rows_of(chosen: tuple[Case, ...], most: int, jobs: int) -> None:
+def rows_of(some: tuple[Case, ...], most: int, jobs: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
-    names = tuple(installed())
+    names = tuple(dict.fromkeys(name for name, _ in routes()))
     with Calls(jobs) as calls:
         found = experiment.run_cases(
-            chosen, names, calls, thin=lambda case, solver, route, settings: tuple(one_default(settings))[:most]
+            some, names, calls, thin=lambda case, solver, route, settings: tuple(one_default(settings))[:most]
         )
-    for case in chosen:
-        for name, route in ROUTES:
+    for case in some:
+        for name, route in routes():
             rows = [r for r in found.runs if (r.case, r.solver, r.route) == (case.label, name, route)]
             assert rows, f"{case.label} has no row for {name}, {route}"
             for row in rows:
@@ -126,24 +114,54 @@ def test_every_catalogue_case_has_a_row_for_every_route_a_result_or_a_reason():
     rows_of(tuple(case for name in cases.names(hard=False) for case in cases.select(name)), most=3, jobs=2)
 
 
-# --- what must be reached ---------------------------------------------------------------------------------------------
+# --- exact values -----------------------------------------------------------------------------------------------------
 
-# The paper's application with mu = 0.1, first transition, finest rung, s.
-WITHIN = {("exudyn", "native"): 1e-7, ("exudyn", "integrator"): 1e-5,
-           ("pymunk", "native"): 5e-5, ("pymunk", "assisted"): 2e-8}  # fmt: skip
+
+def first_error(name: str, route: str, mu: float, rung: int = -1, setting: Setting | None = None) -> float:
+    """Error of the first transition of the paper's application, s."""
+    moved = play(name, route, cases.load("disc_in_circle", mu=mu, duration=1.2), rung, setting)
+    return slip_phases.read_transitions(moved, mu)[0].time - FIRST_TRANSITION[mu][0]
+
+
+# Rung, and the largest error (s) of the first transition there.
+WITHIN = {
+    ("exudyn", "native", 0.1): (-1, 1e-7), ("exudyn", "integrator", 0.1): (-1, 1e-6),
+    ("pymunk", "native", 0.1): (-1, 5e-5), ("pymunk", "native", 0.2): (6, 5e-5), ("pymunk", "native", 0.01): (-1, 1e-4),
+    ("pymunk", "assisted", 0.01): (4, 9e-7), ("pymunk", "assisted", 0.1): (-1, 2e-8),
+    ("pymunk", "assisted", 0.2): (4, 4e-7),
+    ("box2d", "native", 0.2): (-1, 5e-5),
+    # A second-order step is off by h² over the time scale of the motion, √(r/g) = 0.1 s; it was 1.1 h² per second.
+    ("pybullet", "assisted", 0.1): (5, 4e-7),
+}  # fmt: skip
 
 
 @pytest.mark.sampled(4, first=1)
-@pytest.mark.parametrize(("name", "route"), WITHIN)
-def test_finest_rung_reaches_what_the_route_can(name, route, accuracy):
-    pytest.importorskip(f"adapters.{name}")
-    accuracy(case="disc_in_circle[mu=0.1]", solver=name, route=route, quantity="first transition, finest rung (s)",
-             error=first_error(name, route, 0.1), tolerance=WITHIN[name, route])  # fmt: skip
+@pytest.mark.parametrize(("name", "route", "mu"), WITHIN)
+def test_first_transition_of_the_paper_is_where_the_route_can_have_it(name, route, mu, accuracy):
+    rung, most = WITHIN[name, route, mu]
+    accuracy(case=f"disc_in_circle[mu={mu:g}]", solver=name, route=route, quantity="first transition (s)",
+             error=first_error(name, route, mu, rung), tolerance=most)  # fmt: skip
 
 
 def order(errors: list[float], knob: tuple[float, ...]) -> float:
     """The slope of log |error| over log knob."""
     return float(np.polyfit(np.log(knob), np.log(np.abs(errors)), 1)[0])
+
+
+# Engine, route, friction, rungs and the order of the step by which the first transition converges.
+ORDERS = [
+    ("pymunk", "native", 0.1, (4, 5, 6), 1.0), ("pymunk", "assisted", 0.1, (1, 2, 3, 4), 2.0),
+    ("box2d", "native", 0.2, (2, 3, 4, 5, 6), 2.0), ("pybullet", "assisted", 0.1, (2, 3, 4, 5), 2.0),
+]  # fmt: skip
+
+
+@pytest.mark.sampled(2, first=1)
+@pytest.mark.parametrize(("name", "route", "mu", "rungs", "expected"), ORDERS)
+def test_first_transition_converges_with_the_order_of_the_step(name, route, mu, rungs, expected):
+    adapter = pytest.importorskip(f"adapters.{name}")
+    ladder = adapter.ladder(cases.load("disc_in_circle", mu=mu, duration=1.2), route)
+    errors = [first_error(name, route, mu, rung) for rung in rungs]
+    assert order(errors, tuple(ladder[rung]["h"] for rung in rungs)) == pytest.approx(expected, abs=0.3)
 
 
 def exudyn_setting(h: float, k: float) -> Setting:
@@ -153,50 +171,165 @@ def exudyn_setting(h: float, k: float) -> Setting:
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", ["native", "integrator"])
 def test_exudyn_converges_with_the_square_of_the_step_and_the_inverse_of_the_stiffness(route):
-    pytest.importorskip("adapters.exudyn")
     # The error is C/k + O(h²), C of 40 to 90 s N/m: each is seen where the other is small.
     steps, stiffness = (2.1e-3, 1e-3, 5.2e-4), (1e5, 3e5, 1e6)
-    of_step = [first_error("exudyn", route, 0.1, exudyn_setting(h, 1e9)) for h in steps]
+    of_step = [first_error("exudyn", route, 0.1, setting=exudyn_setting(h, 1e9)) for h in steps]
     assert order(of_step, steps) == pytest.approx(2.0, abs=0.3)
-    of_stiffness = [first_error("exudyn", route, 0.1, exudyn_setting(5e-4, k)) for k in stiffness]
+    of_stiffness = [first_error("exudyn", route, 0.1, setting=exudyn_setting(5e-4, k)) for k in stiffness]
     assert order(of_stiffness, stiffness) == pytest.approx(-1.0, abs=0.3)
 
 
-@pytest.mark.sampled(2, first=1)
-@pytest.mark.parametrize(("route", "expected", "rungs"), [("native", 1.0, (4, 5, 6)), ("assisted", 2.0, (1, 2, 3, 4))])
-def test_pymunk_converges_with_its_order_of_the_step(route, expected, rungs):
-    adapter = pytest.importorskip("adapters.pymunk")
-    case = cases.load("disc_in_circle", mu=0.1, duration=1.2)
-    settings = [adapter.ladder(case, route)[rung] for rung in rungs]
-    errors = [first_error("pymunk", route, 0.1, setting) for setting in settings]
-    assert order(errors, tuple(setting["h"] for setting in settings)) == pytest.approx(expected, abs=0.3)
+# Measured at the finest of these rungs: 6e-7, 2e-6 and 1e-7 s. Neither Bullet nor Box2D locates anything in a step, and
+# facets scatter the slip where it grows gently out of rolling: the last one of Box2D was 0.011 s late.
+ALL_FOUR = [
+    ("exudyn", "native", (1, 3, 8), 5e-6), ("exudyn", "integrator", (1, 3, 7), 5e-6),
+    ("pymunk", "assisted", (1, 3, 5), 5e-6), ("pybullet", "assisted", (5,), 2e-4), ("box2d", "native", (-1,), 0.02),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "route", "rungs"), [
-    ("exudyn", "native", (1, 3, 8)), ("exudyn", "integrator", (1, 3, 7)), ("pymunk", "assisted", (1, 3, 5)),
-])  # fmt: skip
+@pytest.mark.parametrize(("name", "route", "rungs", "most"), ALL_FOUR)
 @pytest.mark.sampled(3)
-def test_four_transitions_none_missed_and_none_invented(name, route, rungs, accuracy):
-    adapter = pytest.importorskip(f"adapters.{name}")
+def test_four_transitions_none_missed_and_none_invented(name, route, rungs, most, accuracy):
     case = cases.load("disc_in_circle", mu=0.2)
     for rung in rungs:
-        moved = play(name, route, case, adapter.ladder(case, route)[rung])
-        reading = read_motion(case, moved)
+        reading = read_motion(case, play(name, route, case, rung))
         assert [(str(e.before), str(e.after)) for e in reading.transitions] == [
             ("slip_forward", "roll"), ("roll", "slip_backward"), ("slip_backward", "roll"), ("roll", "slip_forward")
         ]  # fmt: skip
     worst = max(abs(event.time - time) for event, (time, *_) in zip(reading.transitions, SEQUENCE, strict=False))
-    # Measured at the finest of these rungs: 6e-7, 2e-6 and 1e-7 s.
     accuracy(case=case.label, solver=name, route=route, quantity="worst of four transitions (s)", error=worst,
-             tolerance=5e-6)  # fmt: skip
+             tolerance=most)  # fmt: skip
+
+
+# Constant forces: semi-implicit Euler has no error here, only the rounding of a few hundred steps. In Exudyn the
+# deflection m g/k of the contact shortens the arm of friction: 4/3 of its share of the radius, 3e-7 of the time.
+BOWLING = {
+    ("pymunk", "native"): (2, 1e-12), ("pymunk", "assisted"): (2, 1e-12), ("exudyn", "native"): (-1, 1e-6),
+    ("exudyn", "integrator"): (-1, 1e-6), ("box2d", "native"): (-1, 1e-5), ("pybullet", "assisted"): (2, 1e-9),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.3])
+@pytest.mark.parametrize(("name", "route"), BOWLING)
+def test_bowling_disc_rolls_at_the_exact_time_with_two_thirds_of_its_speed(name, route, mu, accuracy):
+    case, exact, (rung, most) = cases.load("disc_on_line", mu=mu), 1.0 / (3 * mu * 9.81), BOWLING[name, route]
+    moved = play(name, route, case, rung)
+    slipping = (moved.t < exact - 2 * np.max(np.diff(moved.t))) & (moved.slip > 2 * moved.slip_resolution)
+    slope, first = np.polyfit(moved.t[slipping], moved.slip[slipping], 1)
+    row = dict(case=case.label, solver=name, route=route)
+    accuracy(**row, quantity="transition time (s)", error=-first / slope - exact, tolerance=most)
+    accuracy(**row, quantity="final speed (m/s)", error=moved.vx[-1] - 2 / 3, tolerance=10 * most)
+    assert np.abs(moved.slip[moved.t > exact + 2 * moved.t[1]]).max() <= max(2 * moved.slip_resolution, 1e-12)
 
 
 def test_first_rung_starts_where_the_case_does():
     case = one("disc_in_cosine")
     start = start_motion(case)
-    for name, route in ROUTES:
-        if adapters.engine(name).refuses(case, route):
+    for name, route in routes():
+        if engine(name).refuses(case, route):
             continue
-        moved = play(name, route, case, adapters.engine(name).ladder(case, route)[0])
-        rounding = max(1e-12, getattr(adapters.engine(name), "ROUNDING", 0.0))
+        moved = play(name, route, case, 0)
+        rounding = max(1e-12, getattr(engine(name), "ROUNDING", 0.0))
         assert (moved.t[0], moved.x[0], moved.y[0]) == pytest.approx((0.0, start.x, start.y), abs=rounding)
+
+
+@pytest.mark.parametrize(("name", "route", "rung"), [
+    ("pymunk", "native", 5), ("pymunk", "assisted", 3), ("box2d", "native", 5), ("pybullet", "assisted", 3),
+    ("exudyn", "native", 4), ("exudyn", "integrator", 4),
+])  # fmt: skip
+def test_creep_in_stick_stays_below_the_slip_resolution(name, route, rung):
+    moved = play(name, route, cases.load("disc_in_circle", mu=0.2, duration=0.88), rung)
+    rolling = (moved.t > 0.65) & (moved.t < 0.87)
+    assert 0.0 < np.percentile(np.abs(moved.slip[rolling]), 99) <= moved.slip_resolution < 0.02
+
+
+# --- how a motion ends ------------------------------------------------------------------------------------------------
+
+
+@every_route
+def test_motion_ends_where_its_track_does(name, route):
+    bowl = Curve(lambda s: (s, -curves.sqrt(1 - s * s)), domain=(-0.9, 0.9))
+    moved = play(name, route, Case(bowl, disc(0.1, 1.0), (G, PUSH), Start(0.8, slip=-4.0), 1.0), 3)
+    assert moved.status == "track_end" and moved.reason.endswith(".")
+    # The last sample or, where it is interpolated, the end itself: 5 m/s, and at most 4 ms a step.
+    assert -0.9 - 1e-9 <= moved.xi1[-1] < -0.88
+
+
+@every_route
+def test_disc_that_is_too_fast_for_its_hill_leaves_at_once(name, route):
+    track = Curve(lambda s: (curves.sin(s), curves.cos(s)))
+    moved = play(name, route, Case(track, disc(0.1, 1.0), (G, PUSH), Start(0.0, slip=5.0), 0.5), 4)
+    assert moved.status == "lift_off" and "left its track" in moved.reason
+    assert moved.t[-1] <= 2 * moved.t[1] if len(moved.t) > 1 else moved.t[-1] == 0.0
+
+
+@every_route
+def test_being_set_down_is_no_lift_off(name, route):
+    """A release without pressure, at rest and slipping: penalty contacts open for an instant."""
+    for case in (cases.load("disc_in_circle", mu=0.01), cases.load("disc_on_line")):
+        for rung in (1, 2, 3, 4):
+            moved = play(name, route, replace(case, duration=0.15), rung)
+            assert moved.status == "completed" and moved.t[-1] == pytest.approx(0.15, abs=1e-12)
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+
+@every_route
+def test_a_run_prints_nothing_leaves_no_file_and_has_the_same_numbers_again(name, route, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    case = cases.load("disc_in_circle", mu=0.2, duration=0.5)
+    first, second = (play(name, route, case, 2) for _ in range(2))
+    assert np.array_equal(first.t, second.t) and np.array_equal(first.slip, second.slip)
+    assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr() == ("", "")
+
+
+# The contact's own period is 2 ms; Runge–Kutta of order 4 at 10 ms is far outside its region of stability.
+UNSTABLE = Setting.of(rung="unstable", solver="RK44", newton="full", h=1e-2, k=1e7, vreg=1e-3)
+# A stiffness at which the penetration is below the rounding of the position: no Newton iteration can converge.
+HOPELESS = Setting.of(rung="hopeless", solver="TrapezoidalIndex2", newton="full", h=1e-3, k=1e16, vreg=1e-9)
+
+
+@pytest.mark.parametrize(("setting", "words"), [(UNSTABLE, "not finite"), (HOPELESS, "terminated")])
+def test_exudyn_that_blows_up_or_gives_up_is_a_failure(setting, words, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(EngineFailure, match=words):
+        play("exudyn", "native", cases.load("disc_in_circle", mu=0.1), setting=setting)
+    assert list(tmp_path.iterdir()) == [] and capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("route", ["native", "assisted"])
+def test_numbers_of_pymunk_that_are_not_finite_are_a_failure(route):
+    adapter, case = pytest.importorskip("adapters.pymunk"), cases.load("disc_in_circle", duration=0.1)
+    model = adapter.build(case, route, adapter.ladder(case, route)[1])
+    model.bodies[0].velocity = (float("nan"), 0.0)
+    adapter.run(model)
+    with pytest.raises(EngineFailure, match="not finite"):
+        adapter.read(model)
+
+
+def test_disc_that_sinks_through_a_coarse_polygon_is_told():
+    # The engine's own slop, a tenth of a metre, is the disc's radius.
+    setting = Setting.of(h=1 / 60, facets=64, neighbors=1, thickness=0.1)
+    moved = play("pymunk", "native", cases.load("disc_in_circle", mu=0.01), setting=setting)
+    assert moved.status == "fell_through" and len(moved.t) < 150
+
+
+def test_a_chain_that_would_fill_the_memory_is_refused():
+    pymunk, case = engine("pymunk"), cases.load("nearly_conforming", gap=1e-8)
+    fine = pymunk.ladder(case, "native")[3]
+    assert fine["facets"] > 10**6
+    with pytest.raises(cases.NotSupported, match="needs .* facets, .* give a coarser setting"):
+        pymunk.build(case, "native", fine)
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("h", [2e-3, 1e-3])
+def test_two_engines_of_one_integrator_are_off_by_the_same(h):
+    """Both take the same semi-implicit step with the same contact point: what differs are sweeps of their solvers."""
+    errors = []
+    for name in ("pymunk", "pybullet"):
+        finest = pytest.importorskip(f"adapters.{name}").ladder(cases.load("disc_in_circle", mu=0.2), "assisted")[-1]
+        errors.append(first_error(name, "assisted", 0.2, setting=finest.but(h=h)))
+    assert errors[0] == pytest.approx(errors[1], rel=0.01)

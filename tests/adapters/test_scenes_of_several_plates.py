@@ -14,7 +14,7 @@ import reference
 from adapters import EngineFailure, Setting, by_process, lookup
 from adapters.common import motion_file, motion_table
 from adapters.laws import judge
-from cases import BadValue, DoesNotFit, NotSupported
+from cases import BadValue, DoesNotFit
 from reports import compare, export
 from tests.adapters.mutants import Hashable, effect
 
@@ -193,13 +193,6 @@ def test_drakes_free_plates_keep_the_law_of_friction(engine):
 def test_mujoco_holds_a_plate_that_does_not_turn(engine):
     motion = _simulated(engine, "disc_on_free_hemisphere", 2e-3)
     assert np.ptp(motion.theta) == 0.0 and motion.plate("upper").omega.min() < -1.0
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize("engine", sorted(set(by_process.bundled_engines()) - {"drake", "mujoco"}), indirect=True)
-def test_the_other_executables_reject_free_plates_by_name(engine):
-    with pytest.raises(NotSupported, match="FreePlates"):
-        _simulated(engine, "disc_on_free_disc", 1e-2)
 
 
 def test_an_output_without_the_further_plates_is_a_failure_of_the_engine(tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 import subprocess
 from dataclasses import replace
 from itertools import pairwise, product
+from math import inf
 
 import numpy as np
 import pytest
@@ -27,8 +28,9 @@ from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
 from reports.running.tasks import find_truth, perform
 from reports.running.time_limits import RUN_SECONDS
-from tests.adapters.test_corners import ROCKS, ROLLS_OFF, WHEEL
-from tests.adapters.test_supports import groove as disc_rocking_in_v
+
+from .test_corners import ROLLS_OFF
+from .test_motions import SCENES
 
 PAPER = "disc_in_circle[mu=0.2]"
 NAMES = sorted(by_process.bundled_engines())
@@ -47,6 +49,7 @@ MOST_OFF = {
 # Engines whose friction is another law, by their source: no setting makes a disc slide as it should.
 OTHER_FRICTION = {"cannon", "matter"}
 RIGHT = sorted(set(NAMES) - OTHER_FRICTION)
+RUN_SUPPORTS = ("drake", "mujoco", "siconos")
 
 
 _ABSENT: dict[str, str] = {}
@@ -290,10 +293,28 @@ def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is
     assert found.outcome == "crashed" and "RangeError: no memory" in found.reason
 
 
+# --- scenes beside a disc on a track ----------------------------------------------------------------------------------
+
 GRIP = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
+SHAKE = Drive(x="0.05*sin(7*t)")
+VARYING = Belt("0.6*t + 0.1*sin(6*t)")
+HERE = {
+    "belt on a line": lambda: Case(line(0.2), disc(0.1, 1.0), (*GRIP, Belt(-0.9)), Start(0.0, slip=0.9), 0.4),
+    "belt on a hill": lambda: Case(hill(1.0), disc(0.1, 1.0), (*GRIP, Belt(0.5)), Start(0.05, slip=-0.5), 0.5),
+    "belt on chords": lambda: Case(circle(1.0), disc(0.1, 1.0), (*GRIP, Belt(1.0)), Start(-1.5, slip=-1.0), 0.5),
+    "varying belt": lambda: Case(line(), disc(0.1, 2.0), (*GRIP, VARYING), Start(0.0), 1.5),
+    "shaken line": lambda: Case(line(), disc(0.1, 2.0), (*GRIP, SHAKE), Start(0.0), 1.0),
+    "shaken hill": lambda: Case(hill(1.0), disc(0.1, 2.0), (*GRIP, SHAKE), Start(0.0), 0.5),
+    **{name: SCENES[name] for name in ("groove", "Reuleaux wheel", "block on a hill")},
+}
 
 
-def simulated(name: str, case: Case, h: float):
+def scene_of(label: str) -> Case:
+    """The scene of that name, or the case of the catalogue."""
+    return HERE[label]() if label in HERE else cases.load(label)
+
+
+def motion_by(name: str, case: Case, h: float):
     """The motion of a case by an executable with a step of h (s)."""
     adapter = lookup.engine(name)
     model = adapter.build(case, "process", Setting.of(h=h))
@@ -301,144 +322,86 @@ def simulated(name: str, case: Case, h: float):
     return adapter.read(model)
 
 
-BELTED = {
-    "line": Case(line(0.2), disc(0.1, 1.0), (*GRIP, Belt(-0.9)), Start(0.0, slip=0.9), 0.4),
-    "hill": Case(hill(1.0), disc(0.1, 1.0), (*GRIP, Belt(0.5)), Start(0.05, slip=-0.5), 0.5),
-    "chords": Case(circle(1.0), disc(0.1, 1.0), (*GRIP, Belt(1.0)), Start(-1.5, slip=-1.0), 0.5),
-}
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "planck"], indirect=True)
-@pytest.mark.parametrize("track", BELTED)
-def test_belts_run_along_every_kind_of_track(engine, track):
-    case = BELTED[track]
-    moved = simulated(engine, case, 1e-3)
-    exact = reference.simulate(case)(moved.t)
-    # MuJoCo's soft contacts are off by 4e-4 m without a belt too; without the belt the disc would be centimetres away.
-    assert np.hypot(moved.x - exact.x, moved.y - exact.y).max() < 2e-3
-    assert np.median(np.abs(moved.slip - exact.slip)) < 1e-2
+# Engine, scene, the largest distance (m) of the centre from the reference's at the finer step (twice what was measured;
+# of corners 1.5 times), steps (s), and the share of the distance at the coarser one that it has to be below. Without
+# its belt or its drive a disc would be centimetres away; MuJoCo's soft contacts are off by 4e-4 m without a belt too.
+ROWS = [
+    ("mujoco", "belt on a line", 2e-3, 1e-3), ("planck", "belt on a line", 2e-3, 1e-3),
+    ("mujoco", "belt on a hill", 2e-3, 1e-3), ("planck", "belt on a hill", 2e-3, 1e-3),
+    ("mujoco", "belt on chords", 2e-3, 1e-3), ("planck", "belt on chords", 2e-3, 1e-3),
+    ("mujoco", "varying belt", 6e-4, 1e-3, 4e-3, 0.4),
+    ("mujoco", "shaken line", 6e-4, 1e-3, 4e-3, 0.4), ("drake", "shaken line", 6e-4, 1e-3),
+    ("mujoco", "shaken hill", 6e-4, 1e-3, 4e-3, 0.4), ("drake", "shaken hill", 6e-4, 1e-3),
+    ("drake", "disc_spinning_in_v", 4e-5, 1e-3), ("drake", "groove", 6e-3, 1e-3), ("mujoco", "groove", 6e-3, 1e-3),
+    ("mujoco", "rocking_block", 6e-3, 1e-3), ("mujoco", "ladder_at_wall[mu=0.1,mu_wall=0.2]", 4e-2, 1e-3),
+    ("mujoco", "Reuleaux wheel", 5.4e-3, 1e-3), ("mujoco", "block on a hill", inf, 1e-3, 4e-3, 0.3),
+    # The suite's law at both planes: exact to rounding while both slip, of first order where impacts hand over.
+    ("siconos", "disc_spinning_in_v", 1e-11, 4e-3), ("siconos", "groove", 1.4e-2, 2e-3, 8e-3, 0.4),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("engine", "reason"),
-    [
-        ("drake", "no surface velocity"),
-        ("dartpy", "not among the bindings"),
-        ("planck", "belts of constant speed here"),
-        ("rapier", "no implementation here of Belt"),
-    ],
+    ("engine", "label", "most", "h", "coarse", "share"),
+    [(*row, *(0.0, 1.0)[len(row) - 4 :]) if len(row) == 4 else row for row in ROWS],
     indirect=["engine"],
 )
-def test_belts_that_an_engine_cannot_run_are_rejected_with_the_reason(engine, reason):
-    case = Case(line(), disc(0.1, 1.0), (*GRIP, Belt("t")), Start(0.0), 0.4)
-    with pytest.raises(cases.NotSupported, match=reason):
-        simulated(engine, case, 1e-2)
+def test_engines_run_the_scenes_that_they_support(engine, label, most, h, coarse, share):
+    case = scene_of(label)
 
+    def off(moved) -> float:
+        exact = reference.simulate(case)(moved.t)
+        return float(np.hypot(moved.x - exact.x, moved.y - exact.y).max())
 
-@pytest.mark.parametrize("engine", ["mujoco", "rapier"], indirect=True)
-def test_friction_by_slip_speed_is_rejected_in_the_words_of_a_case(engine):
-    with pytest.raises(cases.NotSupported, match="no implementation here of friction that depends on the slip"):
-        simulated(engine, cases.load("stribeck_disc"), 1e-2)
-
-
-def off(name: str, case: Case, h: float) -> float:
-    """The largest distance (m) of the centre from the reference's."""
-    moved = simulated(name, case, h)
-    exact = reference.simulate(case)(moved.t)
-    return float(np.hypot(moved.x - exact.x, moved.y - exact.y).max())
-
-
-# Largest distances (m) at 1 ms: twice what was measured.
-SUPPORTED = {
-    ("drake", "disc_spinning_in_v"): 4e-5,
-    ("drake", "disc_rocking_in_v"): 6e-3,
-    ("mujoco", "disc_rocking_in_v"): 6e-3,
-    ("mujoco", "rocking_block"): 6e-3,
-    ("mujoco", "ladder_at_wall[mu=0.1,mu_wall=0.2]"): 4e-2,
-}
-
-
-@pytest.mark.parametrize(("engine", "label"), SUPPORTED, indirect=["engine"])
-def test_mujoco_and_drake_run_several_supports(engine, label):
-    case = disc_rocking_in_v() if label == "disc_rocking_in_v" else cases.load(label)
-    assert off(engine, case, 1e-3) < SUPPORTED[engine, label]
-    moved = simulated(engine, case, 1e-3)
-    assert set(reference.simulate(case).contact_names) <= set(moved.contact_names)
-
-
-@every_engine
-def test_engines_run_the_corners_that_they_support(engine):
-    """MuJoCo ran blocks that the protocol rejected. No scene has the corners of a track."""
-    adapter = lookup.engine(engine)
-    assert "corners" in (refusal(adapter, ROLLS_OFF, "process") or "")
-    if engine not in WITH_CORNERS:
-        assert "corners" in (refusal(adapter, WHEEL, "process") or "")
-        return
-    assert refusal(adapter, WHEEL, "process") is refusal(adapter, cases.load("rocking_block"), "process") is None
-    assert off(engine, WHEEL, 1e-3) < 5.4e-3  # 1.5 times what was measured
-    coarse, fine = (off(engine, ROCKS, h) for h in (4e-3, 1e-3))
-    assert fine < 0.3 * coarse
-
-
-DRIVEN = {
-    "line": Case(line(), disc(0.1, 2.0), (*GRIP, Drive(x="0.05*sin(7*t)")), Start(0.0), 1.0),
-    "hill": Case(hill(1.0), disc(0.1, 2.0), (*GRIP, Drive(x="0.05*sin(7*t)")), Start(0.0), 0.5),
-}
-
-
-@pytest.mark.parametrize("engine", ["drake", "mujoco"], indirect=True)
-@pytest.mark.parametrize("track", DRIVEN)
-def test_mujoco_and_drake_run_driven_tracks(engine, track):
-    coarse, fine = (off(engine, DRIVEN[track], h) for h in (4e-3, 1e-3))
-    # Without the drive the disc would be centimetres away.
-    assert fine < 6e-4 and (engine == "drake" or fine < 0.4 * coarse)
-
-
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
-def test_mujoco_runs_belts_whose_speed_changes_with_time(engine):
-    case = Case(line(), disc(0.1, 2.0), (*GRIP, Belt("0.6*t + 0.1*sin(6*t)")), Start(0.0), 1.5)
-    coarse, fine = (off(engine, case, h) for h in (4e-3, 1e-3))
-    assert fine < 6e-4 and fine < 0.4 * coarse
+    moved = motion_by(engine, case, h)
+    assert off(moved) < most and (not coarse or off(moved) < share * off(motion_by(engine, case, coarse)))
+    if "belt" in label:
+        assert np.median(np.abs(moved.slip - reference.simulate(case)(moved.t).slip)) < 1e-2
+    if case.supports:
+        assert set(reference.simulate(case).contact_names) <= set(moved.contact_names)
 
 
 @pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
 def test_mujoco_runs_belts_of_supports(engine):
     """A disc in a V of two belts spins in its place until it rolls on both; with one belt at rest it would not."""
-    moved = simulated(engine, cases.load("disc_in_v_of_belts"), 1e-3)
+    moved = motion_by(engine, cases.load("disc_in_v_of_belts"), 1e-3)
     assert moved.omega[-1] == pytest.approx(1.5 / 0.5, rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("engine", "reason"), [("drake", "no surface velocity"), ("siconos", "of Belt")], indirect=["engine"]
-)
-def test_a_belt_of_a_support_alone_is_rejected(engine, reason):
+def belt_of_a_support() -> Case:
     case = cases.load("disc_spinning_in_v")
     (support,) = case.supports
-    belted = replace(case, supports=(replace(support, effects=(CoulombFriction(0.3), Belt(1.0))),))
-    with pytest.raises(cases.NotSupported, match=reason):
-        simulated(engine, belted, 1e-2)
+    return replace(case, supports=(replace(support, effects=(CoulombFriction(0.3), Belt(1.0))),))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", ["siconos"], indirect=True)
-def test_siconos_spins_and_rocks_in_a_v(engine):
-    """The suite's law at both planes: exact to rounding while both slip, of first order where impacts hand over."""
-    assert off(engine, cases.load("disc_spinning_in_v"), 4e-3) < 1e-11
-    coarse, fine = (off(engine, disc_rocking_in_v(), h) for h in (8e-3, 2e-3))
-    assert fine < 1.4e-2 and fine < 0.4 * coarse
+ON_BELT = Case(line(), disc(0.1, 1.0), (*GRIP, Belt("t")), Start(0.0), 0.4)
+REJECTS = [
+    ("drake", ON_BELT, "no surface velocity"), ("dartpy", ON_BELT, "not among the bindings"),
+    ("planck", ON_BELT, "belts of constant speed here"), ("rapier", ON_BELT, "no implementation here of Belt"),
+    ("drake", belt_of_a_support(), "no surface velocity"), ("siconos", belt_of_a_support(), "of Belt"),
+    ("mujoco", cases.load("stribeck_disc"), "no implementation here of friction that depends on the slip"),
+    ("rapier", cases.load("stribeck_disc"), "no implementation here of friction that depends on the slip"),
+    *((name, HERE["shaken line"](), "Drive") for name in NAMES if name not in ("drake", "mujoco")),
+    *((name, cases.load("disc_spinning_in_v"), "Supports") for name in NAMES if name not in RUN_SUPPORTS),
+    *((name, cases.load("disc_on_free_disc"), "FreePlates") for name in NAMES if name not in ("drake", "mujoco")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("engine", "case", "words"), REJECTS, ids=[f"{n}-{w}" for n, _, w in REJECTS], indirect=["engine"]
+)
+def test_what_an_engine_cannot_run_is_rejected_in_a_sentence_with_the_reason(engine, case, words):
+    with pytest.raises(cases.NotSupported, match=words) as problem:
+        motion_by(engine, case, 1e-2)
+    assert str(problem.value).endswith(".")
 
 
 @every_engine
-def test_supports_and_driven_tracks_run_or_are_rejected_in_a_sentence(engine):
-    if engine in ("drake", "mujoco"):
-        pytest.skip("it runs them")
-    rejects = [(DRIVEN["line"], "Drive")]
-    if engine != "siconos":
-        rejects.append((cases.load("disc_spinning_in_v"), "Supports"))
-    for case, name in rejects:
-        with pytest.raises(cases.NotSupported, match=name) as problem:
-            simulated(engine, case, 1e-2)
-        assert str(problem.value).endswith(".")
+def test_corners_are_rejected_unless_an_engine_supports_them(engine):
+    """MuJoCo ran blocks that the protocol rejected. No scene has the corners of a track."""
+    adapter = lookup.engine(engine)
+    assert "corners" in (refusal(adapter, ROLLS_OFF, "process") or "")
+    for case in (HERE["Reuleaux wheel"](), cases.load("rocking_block")):
+        assert ("corners" in (refusal(adapter, case, "process") or "")) == (engine not in WITH_CORNERS)
 
 
 @pytest.mark.slow

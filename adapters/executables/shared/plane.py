@@ -99,6 +99,7 @@ def formula(text: str) -> Callable[[float], float]:
 
 Triple = tuple[float, float, float]
 POSE, RATES = ("x", "y", "theta"), ("vx", "vy", "omega")
+FORCES = ("slip", "normal_force", "friction_force")
 
 
 def drive_steps(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
@@ -115,26 +116,6 @@ def drive_steps(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | Non
         return here, (vx, vy, spin)
 
     return step
-
-
-class FixedLine(NamedTuple):
-    """A straight support: a point of it (m), the angle of its direction, and its effects."""
-
-    x: float
-    y: float
-    angle: float
-    effects: dict[str, Any]
-
-
-def supports(scene) -> list[FixedLine]:
-    """The further supports, straight lines on whose left the plate lies."""
-    lines = []
-    for support in scene["effects"].get("Supports", {}).values():
-        points = support["points"]
-        middle = len(points["x"]) // 2
-        nx, ny = points["normal_x"][0], points["normal_y"][0]
-        lines.append(FixedLine(points["x"][middle], points["y"][middle], atan2(-nx, ny), support["effects"]))
-    return lines
 
 
 class MovingPlate(NamedTuple):
@@ -168,15 +149,6 @@ def gravity(scene) -> tuple[float, float, float]:
     return pull["g"] * cos(pull["direction"]), pull["g"] * sin(pull["direction"]), 0.0
 
 
-def belt_speed(scene) -> float | None:
-    """The constant speed of a belt (m/s), 0 for a track at rest; None for a speed that changes with time."""
-    speed = scene["effects"].get("Belt", {}).get("speed", "0")
-    try:
-        return float(speed)
-    except ValueError:
-        return None
-
-
 class Shape(NamedTuple):
     """The shape of a track: "line" with a point and the angle of its direction; "hill", a whole circle touched from
     outside, with centre and radius (m); or "chain"."""
@@ -201,36 +173,64 @@ def shape(scene) -> Shape:
     return Shape("chain")
 
 
-class Box(NamedTuple):
-    """A chord of the track: the middle of the face that the plate touches, its angle, and half its length (m)."""
+class Solid(NamedTuple):
+    """A fixed body: "line", what lies to the right of a straight line without ends; "disc"; or "box", to the right of a
+    chord of the track. A point of the line, the centre, or the middle of the face that the plate touches (m), the angle
+    of the direction, the radius or half the length (m), and the effects on it."""
 
+    kind: str
+    name: str
     x: float
     y: float
     angle: float
-    half: float
+    size: float
+    effects: dict[str, Any]
+
+    def middle(self, thick: float) -> tuple[float, float]:
+        """The middle of the box, which is `thick` (m) behind its face."""
+        return self.x + thick * sin(self.angle), self.y - thick * cos(self.angle)
 
 
-def chords(scene, count: int) -> list[Box]:
+def solids(scene, count: int) -> list[Solid]:
+    """The track, as about `count` boxes if it is neither straight nor a disc, and the further supports, straight lines
+    on whose left the plate lies."""
+    track, effects = shape(scene), scene["effects"]
+    if track.kind == "line":
+        every = [Solid("line", "track", track.x, track.y, track.angle, 0.0, effects)]
+    elif track.kind == "hill":
+        every = [Solid("disc", "track", track.x, track.y, 0.0, track.radius, effects)]
+    else:
+        every = _chords(scene, count)
+    for name, support in effects.get("Supports", {}).items():
+        points = support["points"]
+        middle, angle = len(points["x"]) // 2, atan2(-points["normal_x"][0], points["normal_y"][0])
+        every.append(Solid("line", name, points["x"][middle], points["y"][middle], angle, 0.0, support["effects"]))
+    return every
+
+
+def _chords(scene, count: int) -> list[Solid]:
     """About `count` chords, moved outwards by a third of their sagitta, so that their mean distance is the curve's."""
-    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
-    s = np.linspace(track["s"][0], track["s"][-1], count + 1)
-    corners = np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
-    bend = np.interp(0.5 * (s[1:] + s[:-1]), track["s"], track["curvature"])
-    boxes = []
-    for (ax, ay), (bx, by), curvature in zip(corners[:-1], corners[1:], bend, strict=True):
+    s, track, places = _places(scene, count)
+    bend, boxes = np.interp(0.5 * (s[1:] + s[:-1]), track["s"], track["curvature"]), []
+    for number, ((ax, ay), (bx, by), curvature) in enumerate(zip(places[:-1], places[1:], bend, strict=True)):
         length, angle = hypot(bx - ax, by - ay), atan2(by - ay, bx - ax)
         off = curvature * length**2 / 12
         x, y = 0.5 * (ax + bx) + off * sin(angle), 0.5 * (ay + by) - off * cos(angle)
-        boxes.append(Box(float(x), float(y), angle, 0.5 * length))
+        boxes.append(Solid("box", f"chord {number}", float(x), float(y), angle, 0.5 * length, scene["effects"]))
     return boxes
+
+
+def _places(scene, count: int) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]:
+    """Parameters of `count` equal parts of the track, the track's columns, and its points there, (count + 1, 2)."""
+    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
+    s = np.linspace(track["s"][0], track["s"][-1], count + 1)
+    return s, track, np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
 
 
 def corners(scene, count: int) -> np.ndarray:
     """About `count` chords' ends, of shape (count + 1, 2), moved outwards by a third of the sagitta, so that the mean
     distance of the chain is the curve's."""
-    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
-    s = np.linspace(track["s"][0], track["s"][-1], count + 1)
-    places = np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
+    s, track, places = _places(scene, count)
     normals = np.column_stack([np.interp(s, track["s"], track[name]) for name in ("normal_x", "normal_y")])
     normals /= np.hypot(*normals.T)[:, None]
     length = float(np.hypot(*np.diff(places, axis=0).T).mean())
@@ -353,53 +353,45 @@ def nearest_normal(scene) -> Callable[[float, float], tuple[float, float]]:
 MIDDLE = 0.5
 
 
-class PlatesRows:
-    """The rows of a motion of several plates, and the CPU time since this object was made. The suite computes the
-    contacts from the poses."""
+def write_motion(
+    scene, states: Callable[[], list[list[float]]], step: Callable[[int], object], touches: Callable, creep: Callable,
+    lever: float = 0.0, from_poses: bool = False, belt: Callable[[float], float] | None = None,
+) -> None:  # fmt: skip
+    """Make all steps of a scene by `step(number)`, and print the motion.
 
-    def __init__(self, scene):
-        self.scene, self.cpu_start = scene, time.process_time()
-        self.names = [plate.name for plate in plates(scene)]
-        self.rows: list[list[float]] = []
-
-    def note(self, t: float, states: Sequence[Sequence[float]]) -> None:
-        """Add a row: (x, y, theta, vx, vy, omega) of every plate at a time."""
-        self.rows.append([t, *(value for state in states for value in state)])
-
-    def record(self, states: Callable, step: Callable[[int], object], creep: Callable[[], float]) -> None:
-        """Note all `states()` before each step of the scene, make it by `step(number)`, and print the motion. `creep()`
-        is the slip velocity (m/s) of contacts that stuck in the last step."""
-        (count, h), fastest = steps(self.scene), 0.0
-        for k in range(count + 1):
-            self.note(k * h, states())
-            step(k)
-            fastest = max(fastest, creep())
-        self.write(fastest)
-
-    def write(self, creep: float) -> None:
-        """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
-        sticking."""
-        cpu = time.process_time() - self.cpu_start
-        columns = [name if plate == "plate" else f"{name} of {plate}" for plate in self.names for name in POSE + RATES]
-        print(f"# creep = {creep:.6g}\n# lever = {MIDDLE}")
-        print(
-            ",".join(["t", *columns]), *(",".join(repr(float(value)) for value in row) for row in self.rows), sep="\n"
-        )
-        print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
+    `states()`: (x, y, theta, vx, vy, omega) of every plate now; `touches()`: the contacts that pushed the only plate in
+    the last step; `creep()`: the slip velocity (m/s) of contacts that stuck in it. With `from_poses` the suite computes
+    the slip, as for several plates; friction acts at the share `lever` of an overlap from the plate. `belt(t)` is the
+    speed (m/s) of the track's surface.
+    """
+    (count, h), fastest, motion = steps(scene), 0.0, MotionRows(scene)
+    for k in range(count + 1):
+        before = states()
+        step(k)
+        if len(before) > 1:
+            motion.rows.append((k * h, *(value for state in before for value in state)))
+        else:
+            motion.belt = belt((k + 1) * h) if belt else 0.0
+            motion.note(k * h, before[0][:3], before[0][3:], touches(), states()[0][3:])
+            motion.slip = None if from_poses else motion.slip
+        fastest = max(fastest, creep())
+    motion.write(fastest, lever)
 
 
 class MotionRows:
     """The rows of a motion, and the CPU time since this object was made.
 
-    Poses and velocities are at the same times. The forces of a row are those of the step that begins there. Its slip is
-    that of the step that ends there, at the engine's own contact points, where its friction acts, relative to a surface
-    that runs along the track with `belt` m/s.
+    Poses and velocities are at the same times; of several plates there is nothing else, and the suite computes their
+    contacts. The forces of a row are those of the step that begins there. Its slip is that of the step that ends there,
+    at the engine's own contact points, where its friction acts, relative to a surface that runs along the track with
+    `belt` m/s.
     """
-
-    NAMES = "t,x,y,theta,vx,vy,omega,slip,normal_force,friction_force"
 
     def __init__(self, scene, belt: float = 0.0):
         self.scene, self.belt, self.cpu_start = scene, belt, time.process_time()
+        names = [plate.name for plate in plates(scene)]
+        columns = [name if plate == "plate" else f"{name} of {plate}" for plate in names for name in POSE + RATES]
+        self.names = ["t", *columns, *(FORCES if len(names) == 1 else ())]
         self.rows: list[tuple] = []
         # Slip at the end of the last step.
         self.slip: float | None = scene["start"]["slip"]
@@ -439,7 +431,7 @@ class MotionRows:
         cpu = time.process_time() - self.cpu_start
         print(f"# creep = {creep + self._missing():.6g}\n# lever = {lever:g}")
         lines = (",".join("" if value is None else repr(float(value)) for value in row) for row in self.rows)
-        print(self.NAMES, *lines, sep="\n")
+        print(",".join(self.names), *lines, sep="\n")
         print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
 
     def _missing(self) -> float:
@@ -450,7 +442,7 @@ class MotionRows:
         one step.
         """
         plate, friction = self.scene["plate"], self.scene["effects"].get("CoulombFriction")
-        if not friction or len(self.rows) < 3:
+        if not friction or len(self.rows) < 3 or FORCES[0] not in self.names:
             return 0.0
         t, push, rub = np.array([(row[0], *row[8:]) for row in self.rows]).T
         sticks = (push > 0.0) & (np.abs(rub) < INSIDE * friction["mu"] * push)
