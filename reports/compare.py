@@ -20,7 +20,6 @@ from . import compare_builds, gate, options
 if TYPE_CHECKING:
     from cases import Case, Trajectory
 
-    from .judging.diagnosis import Columns
     from .judging.law_error import LawError
     from .running.records import Run
 
@@ -37,31 +36,28 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
 
     Raises CaseError if the file cannot be judged or the reference has no truth.
     """
-    from adapters import Setting
-    from adapters.common import motion_table
-    from adapters.common.motion_file import trajectory_of
-
-    from .running.external_motions import judge_external
-    from .running.records import Run
+    from .running import external_motions
     from .running.tasks import find_truth
 
-    table = motion_table.read(path)
-    columns = motion_table.columns_of(table)
     try:
-        motion = trajectory_of(case, table, creep)
+        external = external_motions.read(Path(path).name, case, Path(path), creep=creep)
     except DoesNotFit as problem:
-        raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, columns)])) from problem
-    row = Run(case.label, Path(path).name, "", Setting.of(), 0, outcome="")
-    return _text(case, motion, judge_external(row, case, motion, find_truth(case), columns))
+        raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, path)])) from problem
+    run = external_motions.judge_motion(external, 1, find_truth(case))
+    if run.score is None:
+        raise DoesNotFit(run.reason)
+    return _text(case, external.motion, run)
 
 
-def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
-    """What is probably wrong with a table that is no motion of the case; empty if there is no truth to compare with."""
+def _probable_mistakes(case: Case, path: str | Path) -> list[str]:
+    """What is probably wrong with a file that is no motion of the case; empty if there is no truth to compare with."""
+    from adapters.common import motion_table
+
     from .judging.diagnosis import mistakes
     from .running.tasks import find_truth
     from .running.true_motions import true_motion
 
-    truth = find_truth(case)
+    columns, truth = motion_table.columns_of(motion_table.read(path)), find_truth(case)
     return [] if truth.failure else mistakes(case, columns, true_motion(case, truth.method))
 
 

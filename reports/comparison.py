@@ -13,14 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 from adapters import EngineFailure, Setting
-from adapters.common import motion_table
-from adapters.common.motion_file import trajectory_of
 from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
 from cases.errors import instance, unknown_name
 
-from .running import tasks
+from .running import external_motions, tasks
 from .running.calls import Calls
-from .running.external_motions import judge_external
 from .running.records import Run, Truth, first_error
 
 if TYPE_CHECKING:
@@ -80,9 +77,8 @@ def _judge(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -
     if not isinstance(what, Trajectory | str | Path):
         raise BadValue(f"{name} is {what!r}; give a Trajectory, the path of a .csv, or a route of the engine {name}")
     if str(what).endswith(".csv"):
-        table = motion_table.read(str(what))
-        motion, columns = trajectory_of(case, table), motion_table.columns_of(table)
-        return motion, judge_external(replace(row, status=motion.status), case, motion, truth, columns)
+        external = external_motions.read(name, case, Path(str(what)), route="")
+        return external.motion, external_motions.judge_motion(external, 1, truth)
     if isinstance(what, Trajectory):
         motion = what
     else:

@@ -231,12 +231,6 @@ def numbers(place: Path) -> str:
     default settings."""
     when, bar = (_number(place, "truth", name, case=CASE, event="1") for name in ("time", "truth_error_bar"))
     start = f"A disc released inside a circle starts to roll after {when:.9f} s; the error bar is {bar:.0e} s."
-    if _manifest(place).get("format", 1) == 1:  # up to version 0.1.0: one default setting, errors of the time in s
-        keys = {"case": CASE, "route": "native"}
-        late = [abs(_number(place, "headline", "default_first_error", solver=name, **keys)) for name in _ENGINES]
-        pairs = zip(_ENGINES.values(), late, strict=True)
-        errors = " and ".join(f"{name} is {1e3 * error:.2g} ms off" for (name, _), error in pairs)
-        return f"{start} With default settings, {errors}."
     engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
     words = f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)"
     return f"{words}{_friction(place)}.{_in_common(place)}"

@@ -12,6 +12,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from ..judging.mean_errors import complete_times
 from .records import Experiment, Run, Truth
 from .tasks import judge
 from .true_motions import columns_at, true_motion
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ROUTE = "file"
 LONGEST_NAME = 60
@@ -71,12 +75,16 @@ def read(name: str, case: Case, file: Path, route: str = ROUTE, creep: float = 0
     """Read the trajectory in a file; raises CaseError if it is not a motion of the case.
 
     `creep`: creep velocity of the solver while it sticks, m/s."""
-    table = motion_table.read(file)
-    motion = motion_file.trajectory_of(case, table, creep)
+    external = of_table(name, case, motion_table.read(file), creep)
     # A dollar sign starts a formula in a figure.
     display_name = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
     digest = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
-    return External(name, case, display_name, digest, motion, motion_table.columns_of(table), route)
+    return replace(external, file=display_name, digest=digest, route=route)
+
+
+def of_table(name: str, case: Case, table: pd.DataFrame, creep: float = 0.0) -> External:
+    """The trajectory in a table; raises CaseError if it is not a motion of the case."""
+    return External(name, case, "", "", motion_file.trajectory_of(case, table, creep), motion_table.columns_of(table))
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
@@ -108,19 +116,11 @@ def join_external(experiment: Experiment, trajectories: Sequence[External]) -> E
 
 def judge_motion(external: External, rung: int, truth: Truth) -> Run:
     """The row of an external trajectory, judged like a solver's run."""
-    row = Run(external.case.label, external.name, external.route, Setting.of(file=external.file), rung, outcome="")
-    row = replace(row, cost=Cost(steps=len(external.motion.t) - 1), status=external.motion.status)
-    try:
-        return judge_external(row, external.case, external.motion, truth, external.columns)
-    except DoesNotFit as problem:
-        return replace(row, outcome="unsupported", reason=str(problem))
-
-
-def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, columns: diagnosis.Columns) -> Run:
-    """The row with its grade, ledger, errors and the diagnosis of its columns; raises DoesNotFit if there is no
-    truth."""
+    case, motion, columns = external.case, external.motion, external.columns
+    row = Run(case.label, external.name, external.route, Setting.of(file=external.file), rung, outcome="")
+    row = replace(row, cost=Cost(steps=len(motion.t) - 1), status=motion.status)
     if truth.failure:
-        raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
+        return replace(row, outcome="unsupported", reason=f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth, same_samples=lambda: read_truth(case, motion, columns, true))
     remarks = [run.reason, *diagnosis.mistakes(case, columns, true), diagnosis.slip_half_a_step_beside(case, motion)]

@@ -19,7 +19,7 @@ import pytest
 import cases
 import reference
 from adapters import Setting
-from adapters.common import motion_file, motion_table
+from adapters.common import motion_table
 from cases import (
     Case,
     CaseError,
@@ -37,7 +37,7 @@ from cases.library import line
 from reports import export
 from reports.judging.grades import LIMITS, Grade, is_within
 from reports.judging.null_motions import with_friction
-from reports.running.external_motions import judge_external
+from reports.running.external_motions import judge_motion, of_table
 from reports.running.records import Run, Truth
 from reports.running.tasks import find_truth, judge, perform, survey
 from reports.running.true_motions import true_motion
@@ -122,11 +122,11 @@ def judgement(
     if not has_forces:
         frame = frame.drop(columns=["normal_force", "friction_force"])
     table = motion_table.parse(frame.to_csv(index=False), "motion.csv")
-    row = Run(case.label, "file", "", Setting.of(), 0, outcome="")
-    motion = motion_file.trajectory_of(case, table)
+    external = of_table("file", case, table)
     if alone:
-        return judge(row, case, motion, true_motion(case, truth.method), truth)
-    return judge_external(row, case, motion, truth, motion_table.columns_of(table))
+        row = Run(case.label, "file", "", Setting.of(), 0, outcome="")
+        return judge(row, case, external.motion, true_motion(case, truth.method), truth)
+    return judge_motion(external, 1, truth)
 
 
 def fault_of_export(case: Case, truth: Truth, rate: float, has_forces: bool = True, alone: bool = True) -> str:

@@ -16,12 +16,12 @@ import pytest
 import cases
 import reference
 from adapters import Setting
-from adapters.common import motion_file, motion_table
+from adapters.common import motion_table
 from cases import Case, Chain, CoulombFriction, Flight, Gravity, Impact, Start, Trajectory, Unilateral, disc
 from reports import export
 from reports.judging.grades import LIMITS, Grade, is_within
 from reports.judging.null_motions import with_friction
-from reports.running.external_motions import judge_external
+from reports.running.external_motions import judge_motion, of_table
 from reports.running.records import Run, Truth
 from reports.running.tasks import find_truth, judge
 from reports.running.true_motions import true_motion
@@ -47,8 +47,7 @@ def judgement(case: Case, hertz: float, names=ALL, fault: Callable[[Columns], Co
     columns = {"t": t} | {name: np.asarray(getattr(state, name)) for name in names}
     columns = fault(columns) if fault else columns
     table = motion_table.parse(pd.DataFrame(columns).to_csv(index=False), "motion.csv")
-    row = Run(case.label, "file", "", Setting.of(), 0, outcome="")
-    return judge_external(row, case, motion_file.trajectory_of(case, table), truth, motion_table.columns_of(table))
+    return judge_motion(of_table("file", case, table), 1, truth)
 
 
 # --- faults -----------------------------------------------------------------------------------------------------------
@@ -275,9 +274,7 @@ def test_a_flight_from_a_corner_is_compared_with_itself(tmp_path):
     names, rows = export.motion(export.true_motion(case))
     table = motion_table.parse(pd.DataFrame(rows, columns=list(names)).to_csv(index=False), "motion.csv")
     truth, _ = truth_of(case)
-    motion = motion_file.trajectory_of(case, table)
-    row = Run(case.label, "file", "", Setting.of(), 0, outcome="")
-    run = judge_external(row, case, motion, truth, motion_table.columns_of(table))
+    run = judge_motion(of_table("file", case, table), 1, truth)
     assert run.score is not None and run.grade in ("excellent", "not decided"), run.reason
     assert run.score.off <= 1e-3 and not [row for row in run.ledger if row.pairing == "spurious"]
 

@@ -1,22 +1,13 @@
 """What is run again and what is not: settings, limits, crashes, timings, and builds that were stopped."""
 
 import json
-import os
 import signal
-import subprocess
-import sys
-import time
 import zipfile
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 import cases
-from reports import build, options
-from reports.analysis import table_list
-from reports.analysis.table_list import Results
-from reports.page.table_files import with_short_numbers
 from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.processes import workers
@@ -118,99 +109,3 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
     killed, own = workers._death(-signal.SIGKILL), workers._death(-signal.SIGSEGV)
     assert "SIGKILL, from outside" in killed.reason and not killed.lasting
     assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
-
-
-# --- a build that is stopped ------------------------------------------------------------------------------------------
-
-# A run waits for the file of its name, so that a build is stopped at the same run on every machine.
-LADDER = ["wait 0", "until second", "until third"]
-MEASURED = ["cpu_s", "setup_s", "run_at"]
-ARGV = ["--quick", "--case", fake_adapter.CASE, "--solver", "fake", "--jobs", "1"]
-
-
-class Builds:
-    """The command in processes of its own, on the fake engine."""
-
-    def __init__(self, folder: Path):
-        self.folder = folder
-        fake_adapter.install(folder, LADDER)
-
-    def start(self) -> subprocess.Popen:
-        path = os.pathsep.join([str(ROOT), str(self.folder)])
-        return subprocess.Popen(
-            [sys.executable, "-m", "reports.build", *ARGV],
-            cwd=self.folder, env={**os.environ, "PYTHONPATH": path}, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            # What is started in the background of a script inherits Ctrl-C ignored; a user's terminal does not.
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-        )  # fmt: skip
-
-    def stopped(self, how: signal.Signals, kept: int) -> tuple[int, str]:
-        """Start a build and stop it when so many runs are in the store; its exit status and its last line."""
-        build = self.start()
-        deadline = time.monotonic() + 120.0
-        while len(self.kept()) < kept:
-            assert time.monotonic() < deadline and build.poll() is None, build.communicate()
-            time.sleep(0.02)
-        build.send_signal(how)
-        _, output = build.communicate(timeout=60.0)
-        return build.returncode, output.strip().splitlines()[-1]
-
-    def kept(self) -> list[str]:
-        """Settings in the store."""
-        return [setting_of(path) for path in (self.folder / ".slip-to-roll").glob("run-*.npz")]
-
-
-def only(hows: list[str]):
-    """Leaves these settings of a ladder."""
-    return lambda case, solver, route, ladder: tuple(setting for setting in ladder if setting["how"] in hows)
-
-
-def table(file: Path) -> pd.DataFrame:
-    """A table of a report as texts, without what differs from run to run."""
-    return pd.read_csv(file, dtype=str).drop(columns=MEASURED, errors="ignore")
-
-
-def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
-    tmp_path, monkeypatch, capsys, without_figures, in_process
-):
-    builds = Builds(tmp_path)
-    status, _ = builds.stopped(signal.SIGKILL, kept=1)
-    assert status == -signal.SIGKILL
-    after_kill = builds.kept()
-    (tmp_path / "second").touch()
-    status, output = builds.stopped(signal.SIGINT, kept=2)
-    assert status == 130
-    assert output.startswith("reports.build: stopped; ") and "the same command continues from there" in output
-    after_stop = builds.kept()
-    assert after_kill == ["wait 0"] and sorted(after_stop) == ["until second", "wait 0"]
-    assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []
-    damaged = next((tmp_path / ".slip-to-roll").glob("run-*.npz"))
-    spoilt = setting_of(damaged)
-    damaged.write_bytes(b"garbage")
-    (tmp_path / ".slip-to-roll" / "thesis.tex").write_text("precious")
-
-    (tmp_path / "third").touch()
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(options, "STORE", ".slip-to-roll")
-    with without_figures(), in_process():
-        assert build.main(ARGV) == 0
-    out = capsys.readouterr().out
-    assert "store: 1 run and 1 truth taken from the store" in out
-    assert f"store: could not be read, and were made again: 1, such as {damaged.name}" in out
-    assert "store: foreign files, not touched: 1, such as thesis.tex" in out
-    ran = fake_adapter.runs_in(tmp_path)
-    counts = {setting: ran.count(setting) for setting in after_stop}
-    assert counts == {setting: 2 if setting == spoilt else 1 for setting in after_stop}
-    manifest = json.loads((tmp_path / "report" / "manifest.json").read_text())
-    assert manifest["store"]["taken"] == {"run": 1, "truth": 1}
-
-    with in_process(), Calls(1) as calls:
-        whole = experiment.run_cases((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
-    frames = table_list.frames(Results(whole, whole))
-    for name in ("trajectories", "transitions", "truth", "headline", "convergence"):
-        with_short_numbers(frames[name]).to_csv(tmp_path / f"{name}.csv", index=False)
-        uninterrupted = table(tmp_path / f"{name}.csv")
-        resumed = table(tmp_path / "report" / "tables" / f"{name}.csv").drop(columns="version", errors="ignore")
-        pd.testing.assert_frame_equal(resumed, uninterrupted)

@@ -8,11 +8,10 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 
 import cases
-from adapters import Setting
-from adapters.common import motion_file, motion_table
+from adapters.common import motion_table
 from cases.scene.free_plates import POSE
 from reports import compare, export
-from reports.running.external_motions import judge_external
+from reports.running.external_motions import judge_motion, of_table
 from reports.running.records import Run
 from reports.running.tasks import find_truth
 from reports.running.true_motions import true_motion
@@ -46,9 +45,7 @@ def judged(label: str, folder) -> Run | None:
         frame |= {motion_table.of_plate(name, plate): getattr(own, name) for name in POSE}
     file = folder / "motion.csv"
     pd.DataFrame(frame).to_csv(file, index=False)
-    table = motion_table.read(file)
-    row = Run(label, file.name, "", Setting.of(), 0, outcome="")
-    return judge_external(row, case, motion_file.trajectory_of(case, table), truth, motion_table.columns_of(table))
+    return judge_motion(of_table("file", case, motion_table.read(file)), 1, truth)
 
 
 @pytest.mark.sampled(8)

@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 
 from cases.files.owned_folder import LIST
+from reports import build, options
 from reports.page.report_folder import of_report
 
 from .. import fake_adapter
@@ -196,6 +197,54 @@ def unfinished(folder: Path) -> list[str]:
 def left(folder: Path) -> list[str]:
     """What no report and no store is."""
     return [*unfinished(folder), *(path.name for path in (folder / "tmp").iterdir())]
+
+
+def stopped(folder: Path, words: list[str], how: signal.Signals, kept: int) -> tuple[int, str]:
+    """Stop a build when so many runs are in its store; returns its status and its last line."""
+    command, deadline = started(folder, words), time.monotonic() + MOST_SECONDS
+    while len(runs_kept(folder)) < kept:
+        assert time.monotonic() < deadline and command.poll() is None, command.communicate()
+        time.sleep(0.02)
+    command.send_signal(how)
+    _, output = command.communicate(timeout=MOST_SECONDS)
+    return command.returncode, (output.strip().splitlines() or [""])[-1]
+
+
+def runs_kept(folder: Path) -> list[Path]:
+    return sorted((folder / ".slip-to-roll").glob("run-*.npz"))
+
+
+def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
+    folder, monkeypatch, capsys, without_figures, in_process
+):
+    """A run waits for the file of its name, so that a build is stopped at the same run on every machine."""
+    fake_adapter.ladder_is(folder, ["wait 0", "until second", "until third"])
+    words = ["--quick", "--case", CASE, "--solver", "fake", "--jobs", "1"]
+    assert stopped(folder, ["reports.build", *words], signal.SIGKILL, kept=1)[0] == -signal.SIGKILL
+    (damaged,) = runs_kept(folder)
+    (folder / "second").touch()
+    status, output = stopped(folder, ["reports.build", *words], signal.SIGINT, kept=2)
+    assert status == 130
+    assert output.startswith("reports.build: stopped; ") and "the same command continues from there" in output
+    assert not (folder / "report").exists() and list(folder.glob("*.partial")) == []
+    damaged.write_bytes(b"garbage")
+    (folder / ".slip-to-roll" / "thesis.tex").write_text("precious")
+
+    (folder / "third").touch()
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setattr(options, "STORE", ".slip-to-roll")
+    with without_figures(), in_process():
+        assert build.main(words) == 0
+        out = capsys.readouterr().out
+        ran, resumed = fake_adapter.runs_in(folder), tables(folder)
+        assert build.main([*words, "--fresh"]) == 0
+    assert "store: 1 run and 1 truth taken from the store" in out
+    assert f"store: could not be read, and were made again: 1, such as {damaged.name}" in out
+    assert "store: foreign files, not touched: 1, such as thesis.tex" in out
+    assert (ran.count("wait 0"), ran.count("until second")) == (2, 1)  # the damaged one again
+    for name, frame in tables(folder).items():
+        pd.testing.assert_frame_equal(resumed[name], frame, obj=name)
 
 
 @pytest.mark.slow
