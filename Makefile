@@ -35,8 +35,8 @@ test-builds: $(VENV)/installed
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
-	$(BIN)/python -m pytest -m timed
+	$(BIN)/python -m pytest -n 2 --dist loadfile --thorough -m "not timed"
+	$(BIN)/python -m pytest --thorough -m timed
 
 # Every installed Python, lowest and newest versions, with and without heyoka: takes hours, writes a table in docs/install.md.
 # An interrupted run continues where it stopped; make matrix ONLY="3.13 lowest" runs the environments so named.

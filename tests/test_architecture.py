@@ -1,16 +1,16 @@
-"""The direction of the arrows: who may import whom. The rooms of the suite, the floors of `reports`, and their page.
-
-Imports within a room are in `test_imports_within_rooms`.
-"""
+"""The direction of the arrows: which part of each room may import which; and that docs/architecture.md says so."""
 
 import ast
 import re
+from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
+from importlib.util import resolve_name
 from pathlib import Path
 
 import pytest
 
+from adapters.lookup import NO_ADAPTERS
 from reference.endings import STATUSES
 from reports.running.storage import source_code
 
@@ -41,8 +41,7 @@ FLOORS = (
 )  # fmt: skip
 # Commands that name one case with the same words, and `compare` with its two questions about reports.
 NEIGHBOURS = {
-    ("export", "show"), ("animate", "show"),
-    ("compare", "compare_builds"), ("compare", "gate"), ("gate", "compare_builds"),
+    "export": {"show"}, "animate": {"show"}, "compare": {"compare_builds", "gate"}, "gate": {"compare_builds"},
 }  # fmt: skip
 
 
@@ -54,19 +53,29 @@ def nodes(source: str) -> list[ast.AST]:
 
 @cache
 def imported(file: Path, only_at_once: bool = False) -> set[str]:
-    """The modules a file may import, by their full names, wherever in it the import stands; or those alone that are
-    imported with the file itself."""
-    package = file.parent.relative_to(ROOT).parts
-    found = set()
+    """The modules a file may import, by their full names, wherever in it the import stands, `import_module("…")`
+    included; or those alone that are imported with the file itself."""
+    package = ".".join(file.parent.relative_to(ROOT).parts)
+    found = set[str]()
     for node in ast.parse(file.read_text()).body if only_at_once else nodes(file.read_text()):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            base = ".".join(
-                (*package[: len(package) - node.level + 1 if node.level else 0], *filter(None, [node.module]))
-            )
-            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+            base = resolve_name("." * node.level + (node.module or ""), package) if node.level else str(node.module)
+            # `from package import module` imports the module; the package's own names come from the package.
+            inside = {f"{base}.{alias.name}" for alias in node.names}
+            found |= {name for name in inside if is_module(name)} or {base, *inside}
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            if getattr(node.func, "attr", getattr(node.func, "id", "")) == "import_module":
+                name = str(node.args[0].value)
+                found.add(resolve_name(name, package) if name.startswith(".") else name)
     return found
+
+
+def is_module(name: str) -> bool:
+    """Whether the suite has a module or a package of that name."""
+    path = ROOT / name.replace(".", "/")
+    return path.is_dir() or path.with_suffix(".py").is_file()
 
 
 def modules(room: str) -> dict[str, Path]:
@@ -75,10 +84,20 @@ def modules(room: str) -> dict[str, Path]:
     return {".".join(name.parts).removesuffix(".__init__"): file for name, file in names.items()}
 
 
-def floor(module: str) -> int:
-    """How far from the top of `reports` a module stands."""
-    (place,) = [i for i, names in enumerate(FLOORS) if module.split(".")[1] in names]
-    return place
+def part_of(module: str) -> str:
+    """The part of its room that a module belongs to: its second name; of `adapters` "engine" for those of engines."""
+    room, _, rest = module.partition(".")
+    part = rest.partition(".")[0]
+    return "engine" if room == "adapters" and part and part not in NO_ADAPTERS else part
+
+
+def arrows(room: str, only_at_once: bool = False) -> Iterator[tuple[str, str]]:
+    """Which module of a room imports which other one; the room itself has the names of all its parts."""
+    known = modules(room)
+    for name, file in known.items():
+        for other in imported(file, only_at_once) & known.keys() - {room, name}:
+            if name != room:
+                yield name, other
 
 
 @pytest.mark.parametrize("room", ALLOWED)
@@ -87,40 +106,6 @@ def test_rooms_import_only_what_the_design_allows(room):
     assert files
     for file in files:
         assert {name.split(".")[0] for name in imported(file)} & ALLOWED.keys() <= ALLOWED[room] | {room}, file
-
-
-def test_reports_import_downwards():
-    known = modules("reports")
-    arrows = [(name, other) for name, file in known.items() for other in imported(file) & known.keys()]
-    assert len(arrows) > 100
-    for name, other in arrows:
-        if "reports" in (name, other):
-            continue  # the package itself holds nothing
-        here, there = name.split(".")[1], other.split(".")[1]
-        assert here == there or floor(name) < floor(other) or (here, there) in NEIGHBOURS, f"{name} imports {other}"
-
-
-def test_keys_of_results_know_the_floors_of_reports():
-    floors = [*reversed([name for floor in FLOORS if len(floor) == 1 for name in floor])]
-    assert tuple(floors[: len(source_code.LAYERS)]) == source_code.LAYERS
-
-
-def test_reports_have_no_circle():
-    known = modules("reports")
-    graph = {}
-    for name, file in known.items():
-        # A module's package is imported before it by being its package: that is no arrow of its own.
-        graph[name] = {other for other in imported(file) & known.keys() - {name} if not name.startswith(f"{other}.")}
-    list(TopologicalSorter(graph).static_order())
-
-
-def test_an_arrow_upwards_is_seen(tmp_path, monkeypatch):
-    (tmp_path / "reports" / "judging").mkdir(parents=True)
-    file = tmp_path / "reports" / "judging" / "wrong.py"
-    file.write_text("def late():\n    from ..running import tasks\n")
-    monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
-    assert "reports.running.tasks" in imported(file)
-    assert floor("reports.judging.wrong") > floor("reports.running.tasks")
 
 
 # Parts of `reference`: each may import what stands beside it here. Two formulations and the paper's letters know
@@ -156,19 +141,6 @@ PARTS = {
         "scales",
     },
 }
-
-
-def test_parts_of_the_reference_import_only_what_stands_below_them():
-    known = modules("reference")
-    assert {name.split(".")[1] for name in known if name.count(".")} == PARTS.keys() | {"__main__"}
-    for name, file in known.items():
-        if name in ("reference", "reference.__main__"):
-            continue
-        part = name.split(".")[1]
-        below = {other.split(".")[1] for other in imported(file) & known.keys() - {"reference"}}
-        assert below <= PARTS[part] | {part}, f"{name} imports {below}"
-
-
 # Parts of `cases`, a folder or a module at the top: each may import the parts in its row, and all may import the
 # errors and the lock. Formulas know no curve, curves no contact, contacts no case, and cases no motion.
 BASE = {"errors", "derivation"}
@@ -202,29 +174,77 @@ CASE_PARTS_LATE = {
     ("curves", "pictures"): "`Curve.plot` imports what draws when it is called",
     ("contact", "scene"): "the classes Case and Plate, for type checkers alone",
 }
+ADAPTER_PARTS = {
+    "executables": set(),
+    "interface": set(),
+    "common": {"interface"},
+    "gate": {"interface"},
+    "laws": {"interface", "lookup", "gate"},
+    "lookup": {"interface", "by_process"},
+    "by_process": {"interface", "common"},
+    "engine": {"interface", "common"},
+}
+REPORT_PARTS = {
+    name: set().union(*FLOORS[number + 1 :]) | NEIGHBOURS.get(name, set())
+    for number, floor in enumerate(FLOORS)
+    for name in floor
+}
+TABLES = {"cases": CASE_PARTS, "reference": PARTS, "adapters": ADAPTER_PARTS, "reports": REPORT_PARTS}
 
 
-def parts_of_cases(only_at_once: bool) -> set[tuple[str, str]]:
-    """The arrows between the parts of `cases`. The package itself has the names of all; the catalogue imports them as
-    a user's file does."""
-    known = modules("cases")
-    return {
-        (name.split(".")[1], other.split(".")[1])
-        for name, file in known.items()
-        for other in imported(file, only_at_once) & known.keys() - {"cases"}
-        if name != "cases" and name.split(".")[1] != other.split(".")[1]
-    }
+def upward(room: str, only_at_once: bool = False) -> set[tuple[str, str]]:
+    """The arrows between parts of a room that its table does not allow."""
+    table = TABLES[room]
+    between = {(part_of(a), part_of(b)) for a, b in arrows(room, only_at_once)}
+    base = BASE if room == "cases" else set()
+    return {(a, b) for a, b in between if a != b and a != "__main__" and b not in table[a] | base}
 
 
-def test_parts_of_cases_import_only_what_stands_below_them():
-    assert {name.split(".")[1] for name in modules("cases") if name != "cases"} == CASE_PARTS.keys()
-    assert list(TopologicalSorter(CASE_PARTS).static_order())
-    arrows = parts_of_cases(only_at_once=False)
-    assert len(arrows) > 70
-    allowed = {(part, other) for part, below in CASE_PARTS.items() for other in below}
-    to_base = {(part, other) for part in CASE_PARTS.keys() - BASE for other in BASE}
-    assert arrows - allowed - to_base == CASE_PARTS_LATE.keys()
-    assert not parts_of_cases(only_at_once=True) & CASE_PARTS_LATE.keys()
+@pytest.mark.parametrize("room", TABLES)
+def test_parts_of_a_room_import_only_what_stands_below_them(room):
+    assert {part_of(name) for name in modules(room)} - {"", "__main__"} == TABLES[room].keys() - {"__main__"}
+    assert list(TopologicalSorter(TABLES[room]).static_order())
+    late = CASE_PARTS_LATE.keys() if room == "cases" else set()
+    assert upward(room) == late
+    assert not upward(room, only_at_once=True) & late
+
+
+def test_parts_of_the_reference_import_only_what_stands_below_them():
+    """The witnesses share no code: neither formulation reaches the other, the paper's letters or the proofs."""
+    for one, other in (("minimal", "witness"), ("solver", "witness"), ("proof_checker", "proofs"), ("paper", "solver")):
+        assert not {(a, b) for a, b in arrows("reference") if {part_of(a), part_of(b)} == {one, other}}
+
+
+@pytest.mark.parametrize("room", TABLES)
+def test_a_room_has_no_circle(room):
+    graph = {name: set[str]() for name in modules(room)}
+    for name, other in arrows(room):
+        # Cases of the catalogue import `cases`, like a user's case. A module's package is imported by its being there.
+        if not name.startswith(("cases.catalogue", f"{other}.")):
+            graph[name].add(other)
+    list(TopologicalSorter(graph).static_order())
+
+
+def test_no_engine_knows_another():
+    engines = [(a, b) for a, b in arrows("adapters") if part_of(a) == part_of(b) == "engine"]
+    assert engines and all(a.split(".")[1] == b.split(".")[1] for a, b in engines)
+
+
+def test_an_arrow_upwards_is_seen(tmp_path, monkeypatch):
+    (tmp_path / "reports" / "judging").mkdir(parents=True)
+    (tmp_path / "reports" / "running").mkdir()
+    (tmp_path / "reports" / "running" / "tasks.py").touch()
+    monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
+    for number, text in enumerate(("from ..running import tasks", "import_module('..running.tasks', __name__)")):
+        file = tmp_path / "reports" / "judging" / f"wrong{number}.py"
+        file.write_text(f"def late():\n    {text}\n")
+        assert "reports.running.tasks" in imported(file)
+    assert "running" not in REPORT_PARTS["judging"] and "judging" in REPORT_PARTS["running"]
+
+
+def test_keys_of_results_know_the_floors_of_reports():
+    floors = [*reversed([name for floor in FLOORS if len(floor) == 1 for name in floor])]
+    assert tuple(floors[: len(source_code.LAYERS)]) == source_code.LAYERS
 
 
 # --- what is said of it -----------------------------------------------------------------------------------------------
@@ -254,11 +274,6 @@ def test_the_file_that_answers_a_question_defines_the_name(question, files, name
     assert len(files) == len(names) == (2 if question in TWOFOLD else 1)
     for file, name in zip(files, names, strict=True):
         assert name in top_level_names((ROOT / file).read_text()), f"{file} has no {name}: {question}"
-
-
-def test_there_are_twelve_questions_of_the_reference_and_of_the_reports():
-    rooms = [file.partition("/")[0] for _, (file, *_), _ in QUESTIONS]
-    assert sum(room in ("cases", "reference") for room in rooms) == len(rooms) / 2 == 12
 
 
 def top_level_names(source: str) -> set[str]:
@@ -291,35 +306,12 @@ def test_statuses_are_made_in_one_file():
         assert not texts & (STATUSES.keys() - ALSO_NAMES), f"{file}: {texts & STATUSES.keys()}"
 
 
-def test_every_ending_has_a_listed_status():
-    source = (ROOT / "reference" / "endings.py").read_text()
-    first = [node.elts[0] for node in nodes(source) if isinstance(node, ast.Tuple) and len(node.elts) == 2]
-    texts = {node.value for node in first if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    assert texts and texts <= STATUSES.keys() | {"track_start", "outline_start"}, texts - STATUSES.keys()
-
-
 def test_the_picture_shows_every_room_in_its_order():
     words = TEXT.split("```")[1].split()
     for upper, lower in zip(FLOORS, FLOORS[1:], strict=False):
         assert max(map(words.index, upper)) < min(map(words.index, lower))
     folders = {path.name for path in (ROOT / "reports").iterdir() if path.is_dir()} - {"__pycache__"}
     assert folders == set().union(*FLOORS[FLOORS.index({"options"}) + 1 :])
-
-
-def test_the_tree_of_cases_has_every_part_and_the_modules_at_the_top_are_those_of_authors():
-    _, tree, text = TEXT.partition("## Folders of `cases`")[2].partition("\n## ")[0].split("```")
-    assert {word for line in tree.splitlines() for word in line[:58].split()} == CASE_PARTS.keys() - {"__main__"}
-    at_the_top = {part for part in CASE_PARTS if (ROOT / "cases" / f"{part}.py").is_file()}
-    of_authors = {*re.findall(r"`cases\.(\w+)`", text)}
-    assert of_authors == at_the_top - {"__main__", "commands", "lookup", "version"} | {"contact", "curves"}
-
-
-def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():
-    way = re.findall(r"^\d\. (.*?)(?=^\d\. |^No adapter)", TEXT, flags=re.M | re.S)
-    rooms = [
-        room for step in way for room in dict.fromkeys(re.findall(r"`(page|analysis|drawing|judging|options)", step))
-    ]
-    assert len(way) == 6 and len(rooms) == len(set(rooms)) == 5
 
 
 # Calls outside `cases/files/owned_folder.py` that delete or rename files, and why they may.

@@ -30,14 +30,6 @@ def test_every_public_name_is_what_type_checkers_read(package):
         assert getattr(module, name) is getattr(importlib.import_module(f"{package}.{place}"), name)
 
 
-def test_an_unknown_name_is_an_attribute_error_and_a_module_is_found():
-    with pytest.raises(AttributeError, match="no_such_name"):
-        cases.no_such_name  # noqa: B018
-    code = "import cases; print(cases.contact.__name__, cases.case.__name__, cases.Case.__name__, cases.case.__name__)"
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert answer.stdout.split() == ["cases.contact", "case", "Case", "case"]
-
-
 def test_the_list_read_from_source_is_the_catalogue():
     entries = {name: cases.entry(name) for name in cases.names() if cases.entry(name).is_own}
     lines = [line for file in registry._catalogue_files() for line in registry._summaries_in(file)]
@@ -68,11 +60,3 @@ def test_curves_of_the_library_and_their_motions_need_no_sympy():
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert (answer.stdout.strip(), answer.stderr) == ("completed", "")
-
-
-@pytest.mark.parametrize("words", [("--help",), ("--jobs", "many"), ("--prove", "disc_on_line", "--help")])
-def test_help_and_wrong_options_of_the_reference_need_no_sympy(words):
-    code = f"import sys, reference.__main__ as m; m.main({list(words)})"
-    check = "import atexit, sys; atexit.register(lambda: print('sympy' in sys.modules))\n"
-    answer = subprocess.run([sys.executable, "-c", check + code], capture_output=True, text=True, cwd=ROOT)
-    assert answer.stdout.rstrip().endswith("False") and "Traceback" not in answer.stderr

@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -73,48 +72,12 @@ def test_the_published_report_was_made_with_the_current_versions():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
-def interpreter(folder: Path, name: str, said: str) -> Path:
-    """A program that answers what an interpreter would say of itself."""
-    file = folder / name
-    file.write_text(f"#!/bin/sh\necho '{said}'\n")
-    file.chmod(0o755)
-    return file
-
-
-def test_of_each_python_the_newest_that_can_make_environments_is_taken(tmp_path):
-    said = {
-        "old": '["CPython", true, [3, 10, 14], "final"]',
-        "lower": '["CPython", true, [3, 12, 1], "final"]',
-        "newest": '["CPython", true, [3, 12, 9], "final"]',
-        "preview": '["CPython", true, [3, 15, 0], "alpha"]',
-        "environment": '["CPython", false, [3, 13, 0], "final"]',
-        "other": '["PyPy", true, [3, 11, 0], "final"]',
-        "shim": "pyenv: python3.13: command not found",
-        "last": '["CPython", true, [3, 14, 0], "final"]',
-    }
-    found = matrix.pythons([interpreter(tmp_path, name, text) for name, text in said.items()] + [tmp_path / "none"])
-    assert [(one.path.name, one.text) for one in found] == [("newest", "3.12.9"), ("last", "3.14.0")]
-
-
-def test_this_interpreter_is_found():
-    base = Path(os.path.realpath(sys.executable))
-    (found,) = matrix.pythons([base])
-    assert found.version == sys.version_info[:3]
-
-
 def test_all_environments_and_the_part_of_them_that_every_commit_gets():
     names = [one.name for one in matrix.whole([P11, P13])]
     assert len(names) == len(set(names)) == 8 and "3.13.1-lowest-without-heyoka" in names
     assert matrix.part([P11, P12, P13], (3, 11)) == [Environment(P13, "current", False)]
     assert matrix.part([P11, P12, P13], (3, 13))[0].python == P12
     assert matrix.part([P11], (3, 11)) == [Environment(P11, "current", False)]
-
-
-def test_without_heyoka_a_constraint_forbids_it():
-    for versions in ("lowest", "current", "newest"):
-        with_it, without = (matrix.constraints(Environment(P11, versions, heyoka)) for heyoka in (True, False))
-        assert re.findall("^heyoka.*", without, flags=re.M) == ["heyoka<0"] and "heyoka<0" not in with_it
-        assert (versions == "newest") == (with_it == "")
 
 
 @pytest.mark.parametrize(
@@ -138,12 +101,6 @@ def test_a_command_that_fails_is_a_row_in_its_own_words(words, passed, text, tmp
     outcome = matrix.run(Command("tests", words), tmp_path, tmp_path / "home", tmp_path / "log")
     assert (outcome.passed, outcome.text) == (passed, text)
     assert words[-1] in (tmp_path / "log").read_text() and not str(Path.home()) == str(tmp_path / "home")
-
-
-def test_a_command_that_hangs_is_a_row(tmp_path, monkeypatch):
-    monkeypatch.setattr(matrix, "LIMIT", 0.2)
-    outcome = matrix.run(Command("tests", ("sleep", "60")), tmp_path, tmp_path, tmp_path / "log")
-    assert not outcome.passed and "still running" in outcome.text
 
 
 def test_the_table_has_a_row_for_each_environment_and_is_kept_in_its_place(tmp_path):
@@ -195,41 +152,6 @@ def test_an_interrupted_matrix_goes_on_with_the_environments_that_have_no_row(tm
     assert kept[-1].count("| abc |") == 6 and kept[-1].count("| def |") == 2
     assert matrix.main(["--only", "newest-with-", "--fresh"], kept.append) == 0 and len(tried) == 12
     assert matrix.main(["--only", "3.10"], kept.append) == 2 and "3.11.1-lowest-with-heyoka" in kept[-1]
-
-
-def test_an_environment_that_cannot_be_installed_is_a_row_and_a_status(tmp_path, monkeypatch):
-    """The command as a whole, with an interpreter that makes no environment."""
-    said = []
-    monkeypatch.setattr(matrix, "WORK", tmp_path / "work")
-    broken = interpreter(tmp_path, "python3", '["CPython", true, [3, 13, 0], "final"]')
-    monkeypatch.setattr(matrix, "whole", lambda found: [Environment(one, "newest", True) for one in found])
-    monkeypatch.setattr(matrix, "keep", said.append)
-    monkeypatch.setattr(matrix, "_git", lambda *words: "" if words[0] == "status" else "abc")
-    real = subprocess.run
-
-    def clone(words, **how):
-        if words[:2] != ["git", "clone"]:
-            return real(words, **how)
-        Path(words[-1]).mkdir()
-        for name in ("Makefile", "pyproject.toml"):
-            (Path(words[-1]) / name).write_text((ROOT / name).read_text())
-        (Path(words[-1]) / "constraints").mkdir()
-        (Path(words[-1]) / "constraints" / "current.txt").touch()
-
-    monkeypatch.setattr(subprocess, "run", clone)
-    assert matrix.main(["--python", str(broken)], said.append) == 1
-    assert "| 3.13.0 | newest | failed (exit status 2), 0 s |" in said[-1]
-    assert not list((tmp_path / "work").glob("*/"))
-
-
-def test_without_another_python_the_reason_is_said(tmp_path, monkeypatch):
-    said = []
-    monkeypatch.setattr(matrix, "part", lambda *_: [])
-    one = interpreter(tmp_path, "python3", '["CPython", true, [3, 12, 0], "final"]')
-    monkeypatch.setattr(matrix, "_git", lambda *words: "")
-    assert matrix.main(["--part", "--python", str(one)], said.append) == 0
-    assert "no other Python from 3.11 on was found: tried with 3.12.0 only" in said
-    assert matrix.main(["--python", str(tmp_path / "none")], said.append) == 2 and "--python PATH" in said[-1]
 
 
 @pytest.mark.slow

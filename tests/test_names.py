@@ -122,10 +122,6 @@ def test_a_participle_is_counted():
     assert set(those) == {"told", "found", "Measured"} and fraction == 3 / 6
 
 
-def test_names_in_f_strings_count_on_no_python():
-    assert words("a = f'{told} {f\"{found}\"!r:>{width}}' + kept") == ["a", "kept"]
-
-
 def test_one_name_one_class():
     homes: dict[str, list[str]] = defaultdict(list)
     for path, text in texts().items():
@@ -142,11 +138,6 @@ def test_only_interfaces_prescribe_a_function_called_run():
 
 def test_no_two_modules_of_a_room_share_a_name():
     assert not namesakes([*texts()])
-
-
-@pytest.mark.parametrize("pair", [("reports/page/maps.py", "reports/sweeping/maps.py"), ("cases/a.py", "cases/b/a.py")])
-def test_namesakes_are_seen(pair):
-    assert list(namesakes([*pair, "adapters/pymunk/native.py", "adapters/exudyn/native.py"]).values()) == [[*pair]]
 
 
 def test_modules_are_named_by_their_contents():

@@ -15,21 +15,17 @@ import cases
 import cases.formulas.expressions
 from adapters.common import motion_table
 from cases import CaseError, Curve, Load, lookup
-from cases.effects import MOTION
-from cases.errors import number_in
 from cases.files import trial
 from cases.files.command_line import status
 from cases.files.owned_folder import LIST, digest
 from cases.formulas import expressions
-from reports import compare_builds, gate, options
+from reports import compare_builds, options
 from reports.analysis.columns import Table
 from reports.page import report_folder, text
 from reports.page import text as report_text
 from reports.running import external_motions, submissions
-from reports.running.storage import packing, result_store
+from reports.running.storage import result_store
 from reports.sweeping import sweep_folder
-
-SCENE = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture
@@ -195,18 +191,6 @@ def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path
             file.write_bytes(whole)
 
 
-@pytest.mark.parametrize("odd", ODD_FILES)
-def test_only_ordinary_files_are_read_from_a_store(odd, tmp_path):
-    """A pipe hung the build, and a device without end filled the memory."""
-    results, key = result_store.Store(tmp_path), {"what": "a run"}
-    results.put("run", key, 1.0, float)
-    (file,) = tmp_path.glob("run-*.npz")
-    file.unlink()
-    odd(file)
-    assert results.get("run", key, float) is None
-    assert "could not be read" in results.trouble()[0]
-
-
 def test_a_record_of_a_store_is_text_and_its_time_is_printable_or_damaged(tmp_path, capsys):
     results, key = result_store.Store(tmp_path), {"what": "a text"}
     results.put("run", key, "two\nlines\x1b[2J", str)
@@ -239,15 +223,6 @@ def test_a_reason_is_no_link_and_no_image_in_markdown(text):
     assert not re.search(r"\]\(|\]:|://|www\.", cell) and cell.count("a") >= 1
 
 
-@pytest.mark.parametrize("text", ["1_0", "\u0661\u0660", "0x10", "1e", "--", "", "ten", "1 0"])
-def test_a_number_in_text_is_written_in_digits(text):
-    for read in (
-        options.creep_of, options.whole_jobs, options.points_of, gate.tolerance_of, lambda t: number_in("it", t),
-        lambda t: cases.load(f"disc_on_line[mu={t}]"),
-    ):  # fmt: skip
-        refused(read, text)
-
-
 def test_a_strangers_report_says_nothing_that_a_terminal_acts_on(tmp_path):
     for name, said in (("one", "\x1b[2J"), ("other", "")):
         (tmp_path / name / "tables").mkdir(parents=True)
@@ -268,14 +243,6 @@ def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
     refused(report_folder.of_report(tmp_path).check)
 
 
-def test_a_record_says_nothing_about_what_code_runs(mark):
-    """What JSON names a type or a function is data of the type that is asked for, or an error."""
-    said = json.loads(json.dumps({"__reduce__": ["os.system", f"touch {mark}"], "py/object": "os.system"}))
-    for kind in (float, tuple[float, ...], cases.Transition):
-        with pytest.raises((ValueError, TypeError, KeyError)):
-            packing.unpack(kind, said, [])
-
-
 def test_text_is_inert_in_tables(mark, tmp_path):
     texts = [*attacks(mark), "=1+1", "+1+1", "-1+1", "@SUM(A1)", "\t=1", "<script>alert(1)</script>", "-1.5", "plain"]
     frame = pd.DataFrame({"solver": texts, "value": [-1.5] * len(texts)})
@@ -291,36 +258,6 @@ def test_names_stay_in_their_folder():
     case = cases.load("disc_in_circle")
     for name in ("../up", "/etc/passwd", "a\0b", "", "a" * 1000, ".hidden", "<b>", "$x$", 3, "a\nb", "\ud800"):
         refused(cases.Case, case.track, case.plate, case.effects, case.start, 1.0, name=name)
-
-
-def test_no_error_carries_what_a_terminal_acts_on():
-    problem = CaseError("a \x1b[2J b \ud800 c\x00")
-    assert str(problem).isprintable()
-
-
-def test_an_expression_is_built_from_two_tables_alone():
-    """Every name and node that Python knows, tried as a formula."""
-    import builtins
-    import sys
-
-    for name in {
-        *dir(builtins),
-        *sys.stdlib_module_names,
-        *dir(cases),
-        "e",
-        "E",
-        "S",
-        "Symbol",
-        "Function",
-        "lambdify",
-    }:
-        if (
-            name not in ("pow",)
-            and name not in cases.formulas.expressions.NAMES
-            and name not in [s.name for s in MOTION]
-        ):
-            refused(Load, name)
-            refused(Load, f"{name}(t)")
 
 
 def test_a_case_file_is_code_and_is_held_to_a_time(tmp_path, monkeypatch):

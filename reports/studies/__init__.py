@@ -42,11 +42,8 @@ if TYPE_CHECKING:
 MAPS = "python -m reports.sweep disc_in_circle --vary mu=0.01:0.4:121 --vary xi1=0:1.5:91"
 # Studies of older versions that measure the suite itself or depend on no engine, and their modules in a clone.
 MOVED = {
-    **{
-        name: f"tests.benchmarks.{name}.study"
-        for name in ("effect_costs", "formulations", "reference_cost", "settings")
-    },
-    **{name: f"tests.benchmarks.{name}" for name in ("meanings", "paper", "uniqueness")},
+    name: f"tests.benchmarks.{name}"
+    for name in ("effect_costs", "meanings", "paper", "reference_cost", "settings", "uniqueness")
 }
 
 

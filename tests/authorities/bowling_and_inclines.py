@@ -4,7 +4,7 @@ from math import atan, cos, sin, sqrt
 
 from cases import Mode
 
-from .facts import at_end, derived, fact, first_mode_is, time_of
+from .facts import at_end, derived, facts, first_mode_is, row, time_of
 
 G = 9.81
 # Of a wheel with J = k m r² (disc k = 1/2, sphere 2/5, hoop 1). Coriolis (billiards, 1835), Sommerfeld, Goldstein and
@@ -41,66 +41,43 @@ def down_the_slope(case, motion):
     return float(motion(1.0).vx) / cos(0.5)
 
 
-FACTS = [
-    fact("disc_on_line", "start of rolling / s", 1 / (3 * 0.1 * G), BOWLING, time_of(0), mu=0.1),
-    fact("disc_on_line", "speed in rolling / (m/s)", 2 / 3, BOWLING, at_end("vx"), mu=0.1),
-    fact("disc_on_line", "distance slid / m", 5 / (18 * 0.1 * G), BOWLING, slid, mu=0.1),
-    fact("disc_on_line", "energy left of v0 = 1 m/s / J", 1 / 3, BOWLING, kinetic, mu=0.3),
-    fact("thrown_with_spin", "speed of a sphere in rolling / (m/s)", 5 / 7, BOWLING, at_end("vx"), shape=0.4),
-    fact("thrown_with_spin", "start of rolling of a sphere / s", 2 / (7 * 0.2 * G), BOWLING, time_of(0), shape=0.4),
-    fact("thrown_with_spin", "distance slid by a sphere / m", 12 / (49 * 0.2 * G), BOWLING, slid, shape=0.4),
-    fact("thrown_with_spin", "hoop, back-spin v0: speed / (m/s)", 0, BOWLING, at_end("vx"), backspin=1.0, shape=1.0),
-    fact("thrown_with_spin", "disc, back-spin v0: speed / (m/s)", 1 / 3, BOWLING, at_end("vx"), backspin=1.0),
-    fact("thrown_with_spin", "disc, back-spin 4 v0: comes back / (m/s)", -2 / 3, BOWLING, at_end("vx"), backspin=4.0),
-    fact("thrown_with_spin", "disc, top-spin 2.5 v0: speed / (m/s)", 1.5, BOWLING, at_end("vx"), backspin=-2.5),
-    fact(
-        "disc_on_incline",
-        "spin of a rolling disc after 1 s / (rad/s)",
-        -20 / 3 * G * sin(0.2),
-        ROLLING_DOWN,
-        at_end("omega"),
-    ),
-    fact(
-        "disc_on_incline",
-        "slip of a slipping disc after 1 s / (m/s)",
-        G * (sin(0.4) - 3 * 0.1 * cos(0.4)),
-        CONE_DOWN,
-        at_end("slip"),
-        slope=0.4,
-    ),
-    fact(
-        "disc_on_incline",
-        "rolls just below tan α = 3 μ",
-        1,
-        CONE_DOWN,
-        first_mode_is(Mode.ROLL),
-        slope=atan(0.3) - 1e-9,
-    ),
-    fact(
-        "disc_on_incline",
-        "slips just above tan α = 3 μ",
-        1,
-        CONE_DOWN,
-        first_mode_is(Mode.SLIP_FORWARD),
-        slope=atan(0.3) + 1e-9,
-    ),
-    fact(
-        "disc_on_incline",
-        "spin of a rolling hoop after 1 s / (rad/s)",
-        -5 * G * sin(0.15),
-        ROLLING_DOWN,
-        at_end("omega"),
-        slope=0.15,
-        shape=1.0,
-    ),
-    fact("disc_onto_incline", "landing / s", sqrt(0.2 / (G * cos(0.5))), LANDING, time_of(0)),
-    fact("disc_onto_incline", "speed of rolling at 1 s / (m/s)", 2 / 3 * G * sin(0.5), LANDING, down_the_slope),
-    fact(
-        "disc_onto_incline",
-        "speed of slipping at 1 s / (m/s)",
-        G * (sin(0.5) - 0.1 * cos(0.5)),
-        LANDING,
-        down_the_slope,
-        mu=0.1,
-    ),
-]
+FACTS = facts(
+    {
+        ("disc_on_line", BOWLING): [
+            row("start of rolling / s", 1 / (3 * 0.1 * G), time_of(0), mu=0.1),
+            row("speed in rolling / (m/s)", 2 / 3, at_end("vx"), mu=0.1),
+            row("distance slid / m", 5 / (18 * 0.1 * G), slid, mu=0.1),
+            row("energy left of v0 = 1 m/s / J", 1 / 3, kinetic, mu=0.3),
+        ],
+        ("thrown_with_spin", BOWLING): [
+            row("speed of a sphere in rolling / (m/s)", 5 / 7, at_end("vx"), shape=0.4),
+            row("start of rolling of a sphere / s", 2 / (7 * 0.2 * G), time_of(0), shape=0.4),
+            row("distance slid by a sphere / m", 12 / (49 * 0.2 * G), slid, shape=0.4),
+            row("hoop, back-spin v0: speed / (m/s)", 0, at_end("vx"), backspin=1.0, shape=1.0),
+            row("disc, back-spin v0: speed / (m/s)", 1 / 3, at_end("vx"), backspin=1.0),
+            row("disc, back-spin 4 v0: comes back / (m/s)", -2 / 3, at_end("vx"), backspin=4.0),
+            row("disc, top-spin 2.5 v0: speed / (m/s)", 1.5, at_end("vx"), backspin=-2.5),
+        ],
+        ("disc_on_incline", ROLLING_DOWN): [
+            row("spin of a rolling disc after 1 s / (rad/s)", -20 / 3 * G * sin(0.2), at_end("omega")),
+            row(
+                "spin of a rolling hoop after 1 s / (rad/s)", -5 * G * sin(0.15), at_end("omega"), slope=0.15, shape=1.0
+            ),
+        ],
+        ("disc_on_incline", CONE_DOWN): [
+            row(
+                "slip of a slipping disc after 1 s / (m/s)",
+                G * (sin(0.4) - 3 * 0.1 * cos(0.4)),
+                at_end("slip"),
+                slope=0.4,
+            ),
+            row("rolls just below tan α = 3 μ", 1, first_mode_is(Mode.ROLL), slope=atan(0.3) - 1e-9),
+            row("slips just above tan α = 3 μ", 1, first_mode_is(Mode.SLIP_FORWARD), slope=atan(0.3) + 1e-9),
+        ],
+        ("disc_onto_incline", LANDING): [
+            row("landing / s", sqrt(0.2 / (G * cos(0.5))), time_of(0)),
+            row("speed of rolling at 1 s / (m/s)", 2 / 3 * G * sin(0.5), down_the_slope),
+            row("speed of slipping at 1 s / (m/s)", G * (sin(0.5) - 0.1 * cos(0.5)), down_the_slope, mu=0.1),
+        ],
+    }
+)

@@ -31,6 +31,9 @@ def derived(text: str) -> Source:
     return Source(Basis.DERIVED, text)
 
 
+Measure = Callable[[Case, Trajectory], float]
+
+
 @dataclass(frozen=True)
 class Fact:
     """`measure` takes the case and its motion; `tolerance` is absolute, in the quantity's unit.
@@ -42,22 +45,19 @@ class Fact:
     quantity: str
     value: float
     source: Source
-    measure: Callable[[Case, Trajectory], float]
+    measure: Measure
     parameters: dict[str, Any]
     tolerance: float = 1e-9
 
 
-def fact(
-    case: str,
-    quantity: str,
-    value: float,
-    source: Source,
-    measure: Callable[[Case, Trajectory], float],
-    tolerance: float = 1e-9,
-    **parameters: Any,
-) -> Fact:
-    """A fact of `cases.load(case, **parameters)`."""
-    return Fact(case, quantity, float(value), source, measure, parameters, tolerance)
+def row(quantity: str, value: float, measure: Measure, tolerance: float = 1e-9, **parameters: Any) -> tuple:
+    """A row of `facts`: a quantity, its exact value, how it is read from the motion, and the case's parameters."""
+    return quantity, float(value), measure, parameters, tolerance
+
+
+def facts(table: dict[tuple[str, Source], list[tuple]]) -> list[Fact]:
+    """The facts of a table with the rows of each case and source."""
+    return [Fact(case, q, value, source, *more) for (case, source), rows in table.items() for q, value, *more in rows]
 
 
 def time_of(number: int) -> Callable[[Case, Trajectory], float]:

@@ -4,7 +4,7 @@ from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
 
-from .facts import at_start, derived, ends_with, fact, spread, zero_of
+from .facts import at_start, derived, ends_with, facts, row, spread, zero_of
 
 G = 9.81
 
@@ -43,6 +43,11 @@ SLIDING_ROD = derived(
 )
 # Small swings: their period is the limit's to the square of the swing, here some 1e-3 rad, so 1e-5 relative is ample.
 SMALL = 1e-5
+
+
+def small(quantity, value, of, **parameters):
+    """A row of a swing that is read off a zero of that rate."""
+    return row(quantity, value, zero_of(of), SMALL, **parameters)
 
 
 def rolling_half_period(rho):
@@ -97,135 +102,73 @@ def centrifugal_minus_g(case, motion):
     return 0.5 * sin(angle) * state.omega**2 - G
 
 
-FACTS = [
-    fact(
-        "disc_in_parabola",
-        "half period of a small rolling swing / s",
-        rolling_half_period(0.8),
-        SMALL_SWINGS,
-        zero_of(back),
-        SMALL,
-        xi1=-1e-3,
-        mu=1.0,
-    ),
-    fact(
-        "disc_in_cosine",
-        "half period of a small rolling swing / s",
-        rolling_half_period(1 / 1.2),
-        SMALL_SWINGS,
-        zero_of(back),
-        SMALL,
-        xi1=-1e-3,
-        mu=1.0,
-    ),
-    fact(
-        "disc_in_catenary",
-        "half period of a small rolling swing / s",
-        rolling_half_period(0.5),
-        SMALL_SWINGS,
-        zero_of(back),
-        SMALL,
-        xi1=-1e-3,
-        mu=1.0,
-    ),
-    fact(
-        "disc_in_ellipse",
-        "half period of a small rolling swing / s",
-        rolling_half_period(1 / 0.6),
-        SMALL_SWINGS,
-        zero_of(back),
-        SMALL,
-        xi1=-pi / 2 - 1e-3,
-        mu=1.0,
-    ),
-    fact(
-        "disc_on_trochoid",
-        "half period of a small rolling swing / s",
-        rolling_half_period(0.64 / 0.3),
-        SMALL_SWINGS,
-        zero_of(back),
-        SMALL,
-        xi1=-1e-3,
-        mu=1.0,
-    ),
-    fact(
-        "ellipse_on_line",
-        "half period of small rolling rocking / s",
-        rocking_half_period(0.3, 0.2, 0.0, True),
-        ROCKING,
-        zero_of(omega),
-        SMALL,
-        tilt=1e-3,
-    ),
-    fact(
-        "ellipse_on_ice",
-        "half period of small sliding rocking / s",
-        rocking_half_period(0.3, 0.2, 0.0, False),
-        ROCKING,
-        zero_of(omega),
-        SMALL,
-        tilt=1e-3,
-    ),
-    fact(
-        "ellipse_on_hill",
-        "half period of a rocking stone / s",
-        rocking_half_period(0.3, 0.2, 1.0, True),
-        ROCKING,
-        zero_of(omega),
-        SMALL,
-        tilt=1e-3,
-    ),
-    fact("ellipse_on_ice", "path of the centre sideways / m", 0.0, ROCKING, spread(lambda case, state: state.x)),
-    fact("straight_edge_on_catenary", "rise of the centre / m", 0.0, SQUARE_WHEEL, spread(lambda case, state: state.y)),
-    fact("straight_edge_on_catenary", "change of (J + m d²) ω²/2 / J", 0.0, SQUARE_WHEEL, spread(spin_energy)),
-    fact("spiral_on_incline", "rise of the pole / m", 0.0, SPIRAL, spread(lambda case, state: state.y)),
-    fact("spiral_on_incline", "change of (J + m d²) ω²/2 / J", 0.0, SPIRAL, spread(spin_energy)),
-    fact("littlewood_hoop", "ω of the rolling hoop over its formula", 1.0, HOOP, hoop_spin),
-    fact("rounded_triangle_on_line", "centre's height minus h(φ) / m", 0.0, SUPPORT, spread(triangle_height)),
-    fact("rounded_triangle_on_line", "change of energy in rolling / J", 0.0, SUPPORT, spread(energy)),
-    fact(
-        "sliding_rod",
-        "normal force at the start, μ = 0.5 / N",
-        rod_force(0.5, 1.2),
-        SLIDING_ROD,
-        at_start("normal_force"),
-        mu=0.5,
-    ),
-    fact(
-        "sliding_rod",
-        "normal force at the start, μ = 1.2 / N",
-        rod_force(1.2, 1.2),
-        SLIDING_ROD,
-        at_start("normal_force"),
-        mu=1.2,
-    ),
-    # The threshold is 4/3 for a tip without size; the tip here moves it by 2.1e-3.
-    fact(
-        "sliding_rod",
-        "regular at tan φ = 2 for μ = 1.33",
-        0,
-        SLIDING_ROD,
-        ends_with("paradox"),
-        mu=1.33,
-        angle=atan(2.0),
-        duration=1e-3,
-    ),
-    fact(
-        "sliding_rod",
-        "paradox at tan φ = 2 for μ = 1.34",
-        1,
-        SLIDING_ROD,
-        ends_with("paradox"),
-        mu=1.34,
-        angle=atan(2.0),
-    ),
-    fact(
-        "hopping_rod",
-        "normal force at the start / N",
-        (G - 0.5 * sin(1.0) * 16) / (1 + 3 * cos(1.0) ** 2 - 3.6 * cos(1.0) * (sin(1.0) + 0.002)),
-        SLIDING_ROD,
-        at_start("normal_force"),
-    ),
-    fact("hopping_rod", "half·sin φ·ω² − g where it departs / (m/s²)", 0.0, SLIDING_ROD, centrifugal_minus_g),
-    fact("hopping_rod", "the same for μ = 0.9", 0.0, SLIDING_ROD, centrifugal_minus_g, mu=0.9),
-]
+FACTS = facts(
+    {
+        ("disc_in_parabola", SMALL_SWINGS): [
+            small("half period of a small rolling swing / s", rolling_half_period(0.8), back, xi1=-1e-3, mu=1.0),
+        ],
+        ("disc_in_cosine", SMALL_SWINGS): [
+            small("half period of a small rolling swing / s", rolling_half_period(1 / 1.2), back, xi1=-1e-3, mu=1.0),
+        ],
+        ("disc_in_catenary", SMALL_SWINGS): [
+            small("half period of a small rolling swing / s", rolling_half_period(0.5), back, xi1=-1e-3, mu=1.0),
+        ],
+        ("disc_in_ellipse", SMALL_SWINGS): [
+            small(
+                "half period of a small rolling swing / s",
+                rolling_half_period(1 / 0.6),
+                back,
+                xi1=-pi / 2 - 1e-3,
+                mu=1.0,
+            ),
+        ],
+        ("disc_on_trochoid", SMALL_SWINGS): [
+            small("half period of a small rolling swing / s", rolling_half_period(0.64 / 0.3), back, xi1=-1e-3, mu=1.0),
+        ],
+        ("ellipse_on_line", ROCKING): [
+            small(
+                "half period of small rolling rocking / s", rocking_half_period(0.3, 0.2, 0.0, True), omega, tilt=1e-3
+            ),
+        ],
+        ("ellipse_on_ice", ROCKING): [
+            small(
+                "half period of small sliding rocking / s", rocking_half_period(0.3, 0.2, 0.0, False), omega, tilt=1e-3
+            ),
+            row("path of the centre sideways / m", 0.0, spread(lambda case, state: state.x)),
+        ],
+        ("ellipse_on_hill", ROCKING): [
+            small("half period of a rocking stone / s", rocking_half_period(0.3, 0.2, 1.0, True), omega, tilt=1e-3),
+        ],
+        ("straight_edge_on_catenary", SQUARE_WHEEL): [
+            row("rise of the centre / m", 0.0, spread(lambda case, state: state.y)),
+            row("change of (J + m d²) ω²/2 / J", 0.0, spread(spin_energy)),
+        ],
+        ("spiral_on_incline", SPIRAL): [
+            row("rise of the pole / m", 0.0, spread(lambda case, state: state.y)),
+            row("change of (J + m d²) ω²/2 / J", 0.0, spread(spin_energy)),
+        ],
+        ("littlewood_hoop", HOOP): [
+            row("ω of the rolling hoop over its formula", 1.0, hoop_spin),
+        ],
+        ("rounded_triangle_on_line", SUPPORT): [
+            row("centre's height minus h(φ) / m", 0.0, spread(triangle_height)),
+            row("change of energy in rolling / J", 0.0, spread(energy)),
+        ],
+        ("sliding_rod", SLIDING_ROD): [
+            row("normal force at the start, μ = 0.5 / N", rod_force(0.5, 1.2), at_start("normal_force"), mu=0.5),
+            row("normal force at the start, μ = 1.2 / N", rod_force(1.2, 1.2), at_start("normal_force"), mu=1.2),
+            # The threshold is 4/3 for a tip without size; the tip here moves it by 2.1e-3.
+            row("regular at tan φ = 2 for μ = 1.33", 0, ends_with("paradox"), mu=1.33, angle=atan(2.0), duration=1e-3),
+            row("paradox at tan φ = 2 for μ = 1.34", 1, ends_with("paradox"), mu=1.34, angle=atan(2.0)),
+        ],
+        ("hopping_rod", SLIDING_ROD): [
+            row(
+                "normal force at the start / N",
+                (G - 0.5 * sin(1.0) * 16) / (1 + 3 * cos(1.0) ** 2 - 3.6 * cos(1.0) * (sin(1.0) + 0.002)),
+                at_start("normal_force"),
+            ),
+            row("half·sin φ·ω² − g where it departs / (m/s²)", 0.0, centrifugal_minus_g),
+            row("the same for μ = 0.9", 0.0, centrifugal_minus_g, mu=0.9),
+        ],
+    }
+)

@@ -5,7 +5,7 @@ from math import cos, log, pi, sin, sqrt
 import numpy as np
 from mpmath import ellipk
 
-from .facts import at_start, derived, ends_with, fact, spread, time_of, zero_of
+from .facts import at_start, derived, ends_with, facts, row, spread, time_of, zero_of
 
 G, L = 9.81, 0.9
 
@@ -83,61 +83,61 @@ def back(state):
     return state.vx
 
 
-FACTS = [
-    fact("frictionless_pendulum", "half period / s", swing(1.0, L), PENDULUM, zero_of(back)),
-    fact("frictionless_pendulum", "half period / s", swing(0.1, L), PENDULUM, zero_of(back), amplitude=0.1),
-    fact("frictionless_pendulum", "normal force at the bottom / N", G * (3 - 2 * cos(1.0)), PENDULUM, bottom_force),
-    fact("rolling_pendulum", "half period / s", swing(1.0, 1.5 * L), ROLLING_PENDULUM, zero_of(back)),
-    fact("rolling_pendulum", "half period / s", swing(0.5, 1.5 * L), ROLLING_PENDULUM, zero_of(back), amplitude=0.5),
-    fact("cardano_disc", "rim point off its diameter / m", 0.0, STRAIGHT_LINE, spread(away_from_diameter)),
-    fact("cycloidal_pendulum", "half period from 2 rad / s", 2 * pi * sqrt(0.25 / G), CYCLOID, zero_of(back), s0=-2.0),
-    fact("cycloidal_pendulum", "half period from ½ rad / s", 2 * pi * sqrt(0.25 / G), CYCLOID, zero_of(back), s0=-0.5),
-    fact("rolling_on_cycloid", "half period / s", 2 * pi * sqrt(0.375 / G), ROLLING_CYCLOID, zero_of(back)),
-    fact("disc_in_weightless_ring", "start of rolling / s", 0.5 * L / (0.3 * 2.0), RING, time_of(0)),
-    fact("disc_in_weightless_ring", "angle slid / rad", log(1.5) / 0.3, RING, lambda case, m: m.transitions[0].xi1),
-    fact(
-        "disc_in_weightless_ring",
-        "normal force half-way / N",
-        (2 / (1 + 0.3 * 2 * 0.375 / L)) ** 2 / L,
-        RING,
-        lambda case, m: m(0.375).normal_force,
-    ),
-    fact("disc_sliding_off_hill", "cos φ of departure", 2 / 3, DEPARTURE, departure_cosine),
-    # The disc rolls all the way in the limit μ → ∞; for μ = 10⁴, the largest that a case may
-    # have, the cosine differs by about 1/μ times the sine.
-    fact(
-        "disc_rolling_off_hill", "cos φ of departure, μ → ∞", 4 / 7, DEPARTURE, departure_cosine, tolerance=1e-4, mu=1e4
-    ),
-    fact(
-        "disc_rolling_off_hill",
-        "the same, as a sphere",
-        10 / 17,
-        DEPARTURE,
-        departure_cosine,
-        tolerance=1e-4,
-        mu=1e4,
-        shape=0.4,
-    ),
-    fact(
-        "disc_rolling_off_hill",
-        "½ sin φ − μ(7/2 cos φ − 2) where slip begins",
-        0.0,
-        DEPARTURE,
-        slip_angle_condition,
-        mu=0.3,
-    ),
-    fact(
-        "sliding_loop",
-        "below 5 it leaves: cos φ",
-        (2 - 4.9) / 3,
-        LOOP,
-        lambda case, m: cos(m.transitions[-1].xi1 + pi / 2),
-        ratio=4.9,
-    ),
-    fact("sliding_loop", "just above 5 it goes round", 1, LOOP, ends_with("completed"), ratio=5.0001),
-    fact("sliding_loop", "just below 5 it leaves", 1, LOOP, ends_with("lift_off"), ratio=4.9999),
-    fact("sliding_loop", "bottom minus top normal force / N", 6 * G, LOOP, top_minus_bottom, ratio=5.1),
-    fact("rolling_loop", "normal force at the top / N", G * (5 - 4 / 3 - 7 / 3), LOOP, force_at_top, ratio=5.0),
-    fact("rolling_loop", "sin φ/3 − N μ/(m g) where slip begins", 0.0, LOOP, loop_slip_condition, ratio=3.5),
-    fact("rolling_loop", "normal force at the bottom / N", G * 4.5, LOOP, at_start("normal_force"), ratio=3.5),
-]
+FACTS = facts(
+    {
+        ("frictionless_pendulum", PENDULUM): [
+            row("half period / s", swing(1.0, L), zero_of(back)),
+            row("half period / s", swing(0.1, L), zero_of(back), amplitude=0.1),
+            row("normal force at the bottom / N", G * (3 - 2 * cos(1.0)), bottom_force),
+        ],
+        ("rolling_pendulum", ROLLING_PENDULUM): [
+            row("half period / s", swing(1.0, 1.5 * L), zero_of(back)),
+            row("half period / s", swing(0.5, 1.5 * L), zero_of(back), amplitude=0.5),
+        ],
+        ("cardano_disc", STRAIGHT_LINE): [
+            row("rim point off its diameter / m", 0.0, spread(away_from_diameter)),
+        ],
+        ("cycloidal_pendulum", CYCLOID): [
+            row("half period from 2 rad / s", 2 * pi * sqrt(0.25 / G), zero_of(back), s0=-2.0),
+            row("half period from ½ rad / s", 2 * pi * sqrt(0.25 / G), zero_of(back), s0=-0.5),
+        ],
+        ("rolling_on_cycloid", ROLLING_CYCLOID): [
+            row("half period / s", 2 * pi * sqrt(0.375 / G), zero_of(back)),
+        ],
+        ("disc_in_weightless_ring", RING): [
+            row("start of rolling / s", 0.5 * L / (0.3 * 2.0), time_of(0)),
+            row("angle slid / rad", log(1.5) / 0.3, lambda case, m: m.transitions[0].xi1),
+            row(
+                "normal force half-way / N",
+                (2 / (1 + 0.3 * 2 * 0.375 / L)) ** 2 / L,
+                lambda case, m: m(0.375).normal_force,
+            ),
+        ],
+        ("disc_sliding_off_hill", DEPARTURE): [
+            row("cos φ of departure", 2 / 3, departure_cosine),
+        ],
+        ("disc_rolling_off_hill", DEPARTURE): [
+            # The disc rolls all the way in the limit μ → ∞; for μ = 10⁴, the largest that a case may
+            # have, the cosine differs by about 1/μ times the sine.
+            row("cos φ of departure, μ → ∞", 4 / 7, departure_cosine, tolerance=1e-4, mu=1e4),
+            row("the same, as a sphere", 10 / 17, departure_cosine, tolerance=1e-4, mu=1e4, shape=0.4),
+            row("½ sin φ − μ(7/2 cos φ − 2) where slip begins", 0.0, slip_angle_condition, mu=0.3),
+        ],
+        ("sliding_loop", LOOP): [
+            row(
+                "below 5 it leaves: cos φ",
+                (2 - 4.9) / 3,
+                lambda case, m: cos(m.transitions[-1].xi1 + pi / 2),
+                ratio=4.9,
+            ),
+            row("just above 5 it goes round", 1, ends_with("completed"), ratio=5.0001),
+            row("just below 5 it leaves", 1, ends_with("lift_off"), ratio=4.9999),
+            row("bottom minus top normal force / N", 6 * G, top_minus_bottom, ratio=5.1),
+        ],
+        ("rolling_loop", LOOP): [
+            row("normal force at the top / N", G * (5 - 4 / 3 - 7 / 3), force_at_top, ratio=5.0),
+            row("sin φ/3 − N μ/(m g) where slip begins", 0.0, loop_slip_condition, ratio=3.5),
+            row("normal force at the bottom / N", G * 4.5, at_start("normal_force"), ratio=3.5),
+        ],
+    }
+)

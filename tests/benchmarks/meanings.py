@@ -26,7 +26,6 @@ QUESTION = (
     "What each engine calls friction, restitution and rolling resistance, how it combines the two bodies' numbers, and "
     "how it uses them. If an engine uses a different law from the case's, the run is made and marked."
 )
-TAKES = ("solver",)
 
 COLUMNS = {
     "solver": "the engine",

@@ -27,12 +27,6 @@ from reports.studies import Request
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TITLE = "The paper, line by line"
-QUESTION = (
-    "Each numbered equation and its places in the code, the paper's diagrams next to the continued motion, its claim "
-    "that rolling follows with the cone's margin, and its closing remark. The table errata has its misprints."
-)
-TAKES = ()
 
 TABLES = {
     "paper_equations": Table(

@@ -10,18 +10,13 @@ import cases
 from adapters import Setting
 from adapters.lookup import engines
 from cases import CoulombFriction, Gravity, Unilateral
-from reference.paper.closed_form import sliding_disc_in_circle
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.timing.clock import NO_TIMING
 from reports.studies import Request
 
-from . import meanings, paper, uniqueness
-from .effect_costs import study as effect_costs
-from .formulations import study as formulations
-from .reference_cost import growth, in_c
-from .reference_cost import study as reference_cost
-from .settings import study as settings
+from . import effect_costs, meanings, paper, reference_cost, settings, uniqueness
+from .reference_cost import growth
 
 pytestmark = pytest.mark.builds
 
@@ -36,14 +31,12 @@ def test_every_column_has_its_words():
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [hung]),
         [reference_cost._cold_row("disc_on_line", hung)],
     )
-    drifts = [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations.measure._nothing("crashed", "")]
-    unsupported = effect_costs.measure.StageResult("unsupported")
+    unsupported = effect_costs.StageResult("unsupported")
     rung = settings.SettingCell("disc_on_line", "engine", "native", "rung 1", Setting.of(h=0.1), "answered", 1.0, 1e-3)
     state = uniqueness.StateRow(uniqueness.FLOOR, 0.5, 0.0625, 0.1, ("floor",))
     for study, findings in (
         (reference_cost, costs),
-        (formulations, drifts),
-        (effect_costs, [effect_costs.measure._row("in_circle", STAGE, {STAGE: unsupported}, {})]),
+        (effect_costs, [effect_costs._row("in_circle", STAGE, {STAGE: unsupported}, {})]),
         (meanings, [dict.fromkeys(meanings.COLUMNS, "")]),
         (paper, paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {})),
         (settings, [rung]),
@@ -70,13 +63,6 @@ def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
     answers = [CallResult("done", growth.GrowthRow(s, s, 0, 0, 0.0, "completed")) for s in seconds]
     found = reference_cost.CostRows([], reference_cost._growth_rows(sizes, answers), [])
     assert next(r for r in reference_cost.bars(found) if what.quantity in r["what"])["outcome"] == outcome
-
-
-def test_plain_c_is_the_closed_form():
-    run = in_c.first_slip(0.2, nodes=16)
-    if run is None:
-        pytest.skip("no C compiler")
-    assert run() == pytest.approx(float(sliding_disc_in_circle("1", "0.1", "0.2", "9.81").time), abs=1e-9)
 
 
 @pytest.mark.slow
@@ -109,6 +95,6 @@ def test_the_page_of_parameters_is_what_the_adapters_tell(name):
 def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
     smooth, rough = ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1), Unilateral()))
     case = cases.load("disc_in_circle", mu=0.1)
-    few, events = effect_costs.measure.compiled_size(replace(case, effects=smooth))
-    more, more_events = effect_costs.measure.compiled_size(replace(case, effects=rough))
+    few, events = effect_costs.compiled_size(replace(case, effects=smooth))
+    more, more_events = effect_costs.compiled_size(replace(case, effects=rough))
     assert 0 < few < more and events < more_events

@@ -10,8 +10,8 @@ from cases import NotSupported
 from reports.running.calls import Calls
 from reports.running.tasks import find_truth
 from reports.studies import Request
-from tests.benchmarks.settings import measure, study
-from tests.benchmarks.settings.measure import SettingCell, beats, points
+from tests.benchmarks import settings
+from tests.benchmarks.settings import SettingCell, beats, points
 
 pytestmark = pytest.mark.builds
 
@@ -21,7 +21,7 @@ def cell(place: str, cpu: float, off: float, case: str = "a") -> SettingCell:
 
 
 def on_envelope(*cells: SettingCell) -> dict[str, bool]:
-    return {row["place"]: row["on_envelope"] for row in measure.rows(cells) if row["place"].startswith("rung")}
+    return {row["place"]: row["on_envelope"] for row in settings.table(cells) if row["place"].startswith("rung")}
 
 
 def test_rung_that_costs_twice_as_much_as_one_as_good_is_found():
@@ -64,7 +64,7 @@ def run_executable(folder, cost: str):
     engine = folder / "replaying"
     engine.write_text(f"#!/bin/sh\ncat {folder / 'motion.csv'}\necho '{cost}'\n")
     engine.chmod(0o755)
-    return measure.run_setting(case, lookup.register(engine), "process", Setting.of(h=1e-2), find_truth(case))
+    return settings.run_setting(case, lookup.register(engine), "process", Setting.of(h=1e-2), find_truth(case))
 
 
 def test_cost_of_an_executable_is_the_time_of_its_own_process(tmp_path, monkeypatch):
@@ -84,6 +84,6 @@ def test_executable_without_a_cost_has_no_place_in_the_comparison(tmp_path, monk
 def test_every_rung_of_the_native_ladders_lies_on_the_envelope_of_its_grid(name):
     with Calls() as calls:
         calls.ask_versions([name])
-        cells = study.run(Request(solvers=(name,)), calls)
-    beaten = [row for row in measure.rows(cells) if row["route"] == "native" and row["beaten_by"]]
+        cells = settings.run(Request(solvers=(name,)), calls)
+    beaten = [row for row in settings.table(cells) if row["route"] == "native" and row["beaten_by"]]
     assert not beaten, beaten

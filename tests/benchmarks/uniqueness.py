@@ -26,12 +26,6 @@ from reports.running.calls import Calls, StorePolicy
 from reports.studies import Request
 
 TITLE = "Where rigid contact has no, one or several motions"
-QUESTION = (
-    "Rigid bodies with Coulomb friction need not have a unique motion. For a rod that slides down a wall, and for one "
-    "that slides on a floor alone, this map counts the consistent motions over friction and angle. Where there is none "
-    "or several, no engine can be right or wrong; the reference then ends with the status paradox or not_unique."
-)
-TAKES = ()
 
 TABLES = {
     "uniqueness": Table(

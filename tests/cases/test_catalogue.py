@@ -18,15 +18,7 @@ from cases.scene.supports import has_belt
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis
 from tests.scenes import second as second_states
-from tests.scenes.motions import (
-    energy,
-    in_other_parameters,
-    in_other_units,
-    mirrored,
-    motion_of,
-    warped,
-    work_done,
-)
+from tests.scenes.motions import energy, in_other_parameters, in_other_units, mirrored, motion_of, warped, work_done
 
 pytestmark = pytest.mark.taylor
 
@@ -70,10 +62,6 @@ def compare(case: Case, answer: second_states.SecondStates, times, accuracy, sig
 def times_of(case: Case) -> np.ndarray:
     # Just short of the end: where contact ends there, the two formulations' ends differ by a rounding.
     return np.linspace(0.0, (1 - 1e-9) * motion_of(case).t[-1], 30)
-
-
-def test_the_catalogue_has_at_least_thirty_cases():
-    assert sum(len(cases.select(name)) for name in cases.names()) >= 30
 
 
 def test_a_case_says_why_it_is_there_and_who_posed_it(any_case):
@@ -123,27 +111,18 @@ def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarra
 
 @pytest.mark.sampled(6)
 def test_two_formulations_agree(any_case, accuracy):
-    check_agreement(any_case, accuracy)
-
-
-@pytest.mark.slow
-def test_two_formulations_agree_in_every_case(any_case, accuracy):
-    check_agreement(any_case, accuracy)
-
-
-def check_agreement(case: Case, accuracy) -> None:
-    if len(motion_of(case).contact_names) > 1:
+    if len(motion_of(any_case).contact_names) > 1:
         pytest.skip("several contacts: both formulations are compared in tests/reference/test_several_contacts.py")
-    times = times_of(case)[::5]
-    theirs = second(case, times)
-    compare(case, theirs, times, accuracy)
-    state = motion_of(case)(times)
+    times = times_of(any_case)[::5]
+    theirs = second(any_case, times)
+    compare(any_case, theirs, times, accuracy)
+    state = motion_of(any_case)(times)
     motions = np.array([getattr(state, quantity) for quantity in second_states.MOTION])
     assert np.array_equal(np.isnan(motions), np.isnan(theirs.motions))
     # Two integrations at 1e-12 over a few seconds, with spins of up to a hundred radians per second.
-    common = dict(case=case.label, solver="reference", route="contact_frame", tolerance=1e-8)
+    common = dict(case=any_case.label, solver="reference", route="contact_frame", tolerance=1e-8)
     accuracy(**common, quantity="largest difference of motions", error=np.nanmax(np.abs(theirs.motions - motions)))
-    for i, curve, own in ((0, case.track, state.xi1), (1, case.plate.outline, state.xi2)):
+    for i, curve, own in ((0, any_case.track, state.xi1), (1, any_case.plate.outline, state.xi2)):
         worst = np.nanmax(np.abs(apart(theirs.states[i], own, curve.period)), initial=0.0)
         accuracy(**common, quantity=f"largest difference of xi{i + 1}", error=worst)
 
@@ -176,124 +155,46 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
 
 
 UNITS = dict(length=2.5, time=1.7, mass=3.1, turn=0.7)
-SEEN = dict(time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
-
-
-def check_moved(case: Case, accuracy) -> None:
-    times = times_of(case)
-    moved = in_other_units(mirrored(case), **UNITS)
-    compare(case, second(moved, times * UNITS["time"]), times, accuracy, sign=-1.0, **SEEN)
 
 
 @pytest.mark.sampled(16, first=10)
 def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    check_moved(any_case, accuracy)
-
-
-@pytest.mark.slow
-def test_every_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    check_moved(any_case, accuracy)
-
-
-@pytest.mark.slow
-def test_the_mirror_image_moves_in_the_mirror(any_case, accuracy):
     times = times_of(any_case)
-    compare(any_case, second(mirrored(any_case), times), times, accuracy, sign=-1.0)
+    seen = dict(sign=-1.0, time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
+    other = second(in_other_units(mirrored(any_case), **UNITS), times * UNITS["time"])
+    compare(any_case, other, times, accuracy, **seen)
 
 
-@pytest.mark.slow
-def test_rotation_and_change_of_units_change_nothing(any_case, accuracy):
-    times = times_of(any_case)
-    compare(any_case, second(in_other_units(any_case, **UNITS), times * UNITS["time"]), times, accuracy, **SEEN)
-
-
-# A millionth and a million of the units of parameters, lengths, times and masses, and a parameter that runs unevenly:
-# the case in them, and its time in the case's.
+# The case with a millionth or a million of the units of parameters, lengths, times and masses, or with a parameter that
+# runs unevenly; and its time in the case's.
 OTHERWISE = {
     "parameter*1e6": (lambda case: in_other_parameters(case, 1e6), 1.0),
-    "parameter*1e-6": (lambda case: in_other_parameters(case, 1e-6), 1.0),
     "warped parameter": (warped, 1.0),
     "length*1e6": (lambda case: in_other_units(case, 1e6, 1.0, 1.0, 0.0), 1.0),
-    "length*1e-6": (lambda case: in_other_units(case, 1e-6, 1.0, 1.0, 0.0), 1.0),
+    "length*1e-6, mass*1e6": (lambda case: in_other_units(case, 1e-6, 1.0, 1e6, 0.0), 1.0),
     "time*1e6": (lambda case: in_other_units(case, 1.0, 1e6, 1.0, 0.0), 1e6),
     "time*1e-6": (lambda case: in_other_units(case, 1.0, 1e-6, 1.0, 0.0), 1e-6),
-    "mass*1e6": (lambda case: in_other_units(case, 1.0, 1.0, 1e6, 0.0), 1.0),
-    "mass*1e-6": (lambda case: in_other_units(case, 1.0, 1.0, 1e-6, 0.0), 1.0),
 }
 
 
-# Pairs that cannot be compared, and why.
-NOT_COMPARED = {
-    ("at_any_size[length=1e-06,mass=1e-09]", "length*1e-6"): "a case takes no plate of 2e-13 m, less than 1e-9 m",
-    ("at_any_size[length=0.001]", "length*1e-6"): "a case takes no plate of 2e-10 m, less than 1e-9 m",
-    ("long_slide", "warped parameter"): "4,000 waves of the parameter on 25 km take more than 100,000 steps",
-}
-
-
-def check_otherwise(case: Case, how: str, accuracy, method: str | None = None) -> None:
-    """Asserts that the reference's motion of a case is the same in other units or parameters."""
-    if (case.label, how) in NOT_COMPARED:
-        pytest.skip(NOT_COMPARED[case.label, how])
-    if case.others and how == "warped parameter":
-        pytest.skip("discs of several plates have an even parameter")
-    if "parameter" in how and any(isinstance(curve, Chain) for curve in (case.track, case.plate.outline)):
+@pytest.mark.sampled(151)
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_other_units_and_parameters_change_no_transition(any_case, how, method, accuracy):
+    if any_case.name == "at_any_size" and "length*1e-6" in how:
+        pytest.skip("a case takes no plate of less than 1e-9 m")
+    if "parameter" in how and (any_case.others or any_case.name == "long_slide"):
+        pytest.skip("discs of several plates have an even parameter, and 4,000 waves on 25 km take 100,000 steps")
+    if "parameter" in how and any(isinstance(curve, Chain) for curve in (any_case.track, any_case.plate.outline)):
         pytest.skip("edges and arcs have the length or the angle as parameter")
     change, time = OTHERWISE[how]
-    here = motion_of(case) if method is None else reference.simulate(case, rtol=1e-12, method=method)
-    there = reference.simulate(change(case), rtol=1e-12, method=method)
+    here, there = (reference.simulate(case, rtol=1e-12, method=method) for case in (any_case, change(any_case)))
     assert there.status == here.status
     assert [(t.before, t.after) for t in there.transitions] == [(t.before, t.after) for t in here.transitions]
     late = [b.time / time - a.time for a, b in zip(here.transitions, there.transitions, strict=True)]
     # Two integrations at 1e-12, in which other digits are rounded; a grazing slip loses the square root of that.
-    who = dict(case=case.label, solver="reference", route=method or "best", tolerance=1e-9)
+    who = dict(case=any_case.label, solver="reference", route=method, tolerance=1e-9)
     accuracy(**who, quantity=f"transitions, {how} / s", error=max(map(abs, late), default=0.0))
-
-
-# Of the catalogue some cases are changed in some ways, and every one in a slow test; of somebody's own file all are.
-SOME = {
-    "bouncing_disc": ("parameter*1e6", "length*1e-6"),
-    "disc_across_circle": ("parameter*1e-6", "time*1e6"),
-    "disc_onto_incline": ("parameter*1e6", "mass*1e6"),
-    "tumbling_ellipse": ("length*1e6", "mass*1e-6"),
-    "disc_in_circle": ("warped parameter", "time*1e-6"),
-}
-
-
-def test_other_units_and_parameters_change_no_transition(any_case, accuracy, request):
-    own = request.config.own_cases
-    if not own and (any_case.name not in SOME or any_case != cases.select(any_case.name)[0]):
-        pytest.skip("some cases of the catalogue are changed here, and every one in a slow test")
-    for how in OTHERWISE if own else SOME[any_case.name]:
-        check_otherwise(any_case, how, accuracy)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("how", OTHERWISE)
-def test_every_change_of_units_and_parameters_changes_no_transition(any_case, how, accuracy):
-    check_otherwise(any_case, how, accuracy)
-
-
-@pytest.mark.parametrize("name", ["disc_in_cosine", "disc_in_parabola"])
-@pytest.mark.parametrize("how", ["time*1e6", "time*1e-6"])
-def test_dop853_begins_a_slip_in_every_unit_of_time(name, how, accuracy):
-    check_otherwise(cases.select(name)[0], how, accuracy, "dop853")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("how", OTHERWISE)
-def test_no_change_of_units_and_parameters_changes_a_transition_by_dop853(any_case, how, accuracy):
-    check_otherwise(any_case, how, accuracy, "dop853")
-
-
-@pytest.mark.parametrize("name", ["disc_in_circle", "ellipse_on_incline", "littlewood_hoop"])
-def test_the_reference_itself_does_not_see_mirror_rotation_or_units(name):
-    case = cases.select(name)[-1]
-    here = motion_of(case)
-    for other, time in ((mirrored(case), 1.0), (in_other_units(case, 2.5, 1.7, 3.1, 0.7), 1.7)):
-        there = reference.simulate(other, rtol=1e-12)
-        assert [t.time / time for t in there.transitions] == pytest.approx(
-            [t.time for t in here.transitions], abs=1e-10
-        )
 
 
 @pytest.mark.parametrize("fact", FACTS, ids=lambda fact: f"{fact.case}-{fact.quantity}")

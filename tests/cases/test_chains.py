@@ -1,6 +1,5 @@
 """Curves with corners and homogeneous plates: closed forms of areas, centres of mass and inertias; rejected input."""
 
-import pickle
 from math import pi, sqrt
 
 import numpy as np
@@ -8,14 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
+from cases import Curve, Outline, Plate, arc, library
 from cases.curves import cos, sin
 from cases.curves.area import area_inside
 from cases.curves.chain import translate
-from cases.curves.corner import Corner, Edge
+from cases.curves.corner import Edge
 from tests.scenes.elliptic import examples
 
-SQUARE = [(0, 0), (2, 0), (2, 1), (0, 1)]
 # The integrals are sums of tens to hundreds of terms, summed exactly; each term has a few roundings.
 EXACT = 1e-15
 
@@ -47,26 +45,6 @@ def gear_moment(radius, teeth, depth):
 )  # fmt: skip
 def test_inertias_are_the_published_ones(plate, inertia):
     assert plate().inertia == pytest.approx(inertia, rel=EXACT)
-
-
-def test_centre_of_mass_is_the_outlines_origin():
-    plate = Plate.half_disc(1.0, 1.0)
-    assert plate.outline.point(0.5 * pi - pi)[1] == pytest.approx(4 / (3 * pi) - 1.0, abs=EXACT)
-    # A disc with a hole of half its radius that touches the middle: the centre moves by r/6 to the other side.
-    holed = Plate.homogeneous(library.circle(1.0), 1.0, holes=[translate(library.circle(0.499), 0.5, 0.0)])
-    share = 0.499**2 / (1 - 0.499**2)
-    assert holed.outline.point(0.0)[0] == pytest.approx(1.0 + 0.5 * share, abs=EXACT)
-    assert Plate.homogeneous(library.circle(0.7), 1.0).radius == 0.7
-
-
-def test_measured_outline_is_moved_to_its_centre_of_mass():
-    a = np.linspace(0, 2 * pi, 201)[:-1]
-    points = np.column_stack([0.2 * np.cos(a) + 5.0, 0.14 * np.sin(a) - 2.0])
-    plate = Plate.homogeneous(Curve.spline(points, closed=True), 1.0)
-    # The spline is 1e-12 from the ellipse.
-    assert plate.inertia == pytest.approx((0.2**2 + 0.14**2) / 4, rel=1e-11)
-    np.testing.assert_allclose(plate.outline.point(0.0), [0.2, 0.0], atol=1e-11)
-    assert plate.encloses_centre and pickle.loads(pickle.dumps(plate)) == plate
 
 
 def test_reuleaux_triangle_has_constant_width_and_its_area():
@@ -109,72 +87,6 @@ def test_chain_is_continuous_in_place_and_direction_over_two_rounds():
     assert len(outline.corners) == 20 and sum(corner.turn < 0 for corner in outline.corners) == 10
     x0, x1, y0, y1 = outline.bounds
     assert max(x1 - x0, y1 - y0) < 0.2
-
-
-def test_elements_cover_the_parameter_and_agree_with_the_chain():
-    outline = Outline([arc((0.0, 0.0), 1.0, -pi, 0.0), Edge.between((1.0, 0.0), (-1.0, 0.0))])
-    for number in range(-5, 6):
-        element = outline.element(number)
-        low, high = element.piece.span
-        middle = 0.5 * (low + high)
-        s = middle + element.shift
-        assert outline.element_at(s) == element
-        np.testing.assert_allclose(outline.point(s), element.piece.point(middle), atol=1e-14)
-        angle = element.piece.tangent_angle(middle) + 2 * pi * element.turns
-        assert outline.tangent_angle(s) == pytest.approx(angle, abs=1e-13)
-    table = Chain.polyline([(-1, 0), (0, 0), (0, -1)])
-    assert table.element(3) is None and table.element(-1) is None and table.domain == pytest.approx((0, 2 + pi / 2))
-    assert isinstance(table.element(1).piece, Corner) and table.element(1).piece.turn == pytest.approx(-pi / 2)
-
-
-def test_rounded_polygon_has_no_corner_and_its_area():
-    outline = Outline.polygon(SQUARE, 0.2)
-    assert not outline.corners
-    assert area_inside(outline).area == pytest.approx(2 - (4 - pi) * 0.2**2, rel=EXACT)
-    corner_inside = Outline.polygon([(0, 0), (2, 0), (2, 2), (1, 1), (0, 2)], 0.1)
-    assert not corner_inside.corners and corner_inside.rotation == 1
-
-
-def test_chain_travels_and_compares_by_its_pieces():
-    outline = Outline.polygon(SQUARE)
-    copy = pickle.loads(pickle.dumps(outline))
-    assert copy == outline and hash(copy) == hash(outline) and type(copy) is Outline and copy.span == outline.span
-    assert outline != Outline.polygon([(0, 0), (2, 0), (2, 1.5), (0, 1)])
-    edge = Edge.between((0.0, 0.0), (1.0, 2.0))
-    assert pickle.loads(pickle.dumps(edge)) == edge and pickle.loads(pickle.dumps(edge)).constants == edge.constants
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "text"),
-    [
-        (lambda: Outline.polygon([(0, 0), (2, 0), (0, 1), (2, 1)]), BadCurve, "crosses itself near (1, 0.5)"),
-        (lambda: Outline.polygon([(0, 0), (1, 0)]), BadValue, "give at least 3"),
-        (lambda: Outline.polygon([(0, 0), (1, 0), (1, 0), (0, 1)]), BadValue, "points 1 and 2 are the same"),
-        (lambda: Outline.polygon([(0, 0), (1, 0), (0, 1), (0, 0)]), BadValue, "leave it out"),
-        (lambda: Outline.polygon([(0, 0), (1, 0), (0, float("nan"))]), BadValue, "y of a point"),
-        (lambda: Outline.polygon(SQUARE, 0.5), BadValue, "too short for corners of radius"),
-        (lambda: Chain([Edge.between((0, 0), (1, 0)), Edge.between((1, 1e-9), (2, 0))]), BadCurve, "pieces that join"),
-        (lambda: Chain.polyline([(0, 0), (1, 0), (0, 0)]), BadCurve, "turns back"),
-        (lambda: Chain([library.line()]), BadCurve, "has no ends"),
-        (lambda: Chain([]), BadValue, "smooth curves"),
-        (lambda: Chain(3), BadValue, "smooth curves"),
-        (lambda: Outline.polygon(SQUARE).jet(0.0), NotSupported, "smooth curve"),
-        (lambda: Plate.homogeneous(library.parabola(1.0), 1.0), BadCurve, "closed outline"),
-        (lambda: Plate.homogeneous(library.circle(1.0), 1.0, holes=[library.circle(1.1)]), BadCurve, "not inside"),
-        (lambda: Plate.gear(0.1, 8, 0.2, 1.0), BadValue, "below its radius"),
-        (lambda: arc((0, 0), 1.0, 2.0, 2.0), BadValue, "two angles"),
-    ],
-)
-def test_what_is_no_chain_is_rejected_in_one_sentence(make, error, text):
-    with pytest.raises(error) as problem:
-        make()
-    assert text in str(problem.value)
-
-
-def test_centre_of_mass_outside_its_outline_is_noticed():
-    assert Plate.half_disc(1.0, 1.0).encloses_centre
-    assert not Plate(translate(library.circle(1.0), 2.0, 0.0), 1.0, 1.0).encloses_centre
-    assert Plate(library.parabola(1.0), 1.0, 1.0).encloses_centre  # an open outline encloses nothing
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """The command `python -m cases`, tried as a new user would, with a deliberate mistake at each step."""
 
-import json
 import os
 import re
 import signal
@@ -8,18 +7,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import cases
-import reference
 from cases import lookup, registry
 from cases.commands import TEMPLATE, main
-from cases.files import command_line, owned_folder, search_path, trial
-from reference import narration
-from reports import animate, build, compare, options, show, sweep
+from cases.files import command_line, owned_folder, trial
+from reports import animate, build, compare, options, sweep
 
 pytestmark = pytest.mark.builds
 
@@ -86,16 +82,6 @@ def test_check_notices_a_plate_on_the_wrong_side(desk, capsys, effects, says):
         assert status == 0 and ("Note: the plate lies on the left" in out) == (says in out) == (file == "turned"), out
 
 
-def test_check_of_a_motion_that_fails_says_so_in_a_line(desk, capsys, monkeypatch):
-    (desk / "my_valley.py").write_text(TEMPLATE.format(name="my_valley"))
-
-    def fails(case):
-        raise ZeroDivisionError("float division by zero")
-
-    monkeypatch.setattr(narration, "simulate", fails)
-    assert "the motion fails: ZeroDivisionError" in refused(capsys, "check", "my_valley.py")
-
-
 def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_factory, monkeypatch):
     """What the template advises: a path counts from the case file, wherever one works and however the file is named."""
     text = TEMPLATE.format(name="my_points")
@@ -113,26 +99,6 @@ def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_fa
     assert cases.load("my_points").duration == 2.0
     status, out, err = run(capsys, "check", str(desk / "scenes" / "my_points.py"))
     assert status == 0 and "fits" in out, err
-
-
-def test_the_template_advises_what_works():
-    """Its comment on measured points is a call that Curve.spline takes."""
-    (advice,) = re.findall(r"Curve\.spline\(.*?\)", TEMPLATE)
-    assert eval(advice, {"Curve": SimpleNamespace(spline=lambda path, closed: (path, closed))}) == (
-        "points.csv",
-        False,
-    )
-
-
-def test_export_holds_what_a_scene_needs(desk, capsys):
-    assert run(capsys, "export", "disc_on_line", "mu=0.1")[0] == 0
-    scene = json.loads((desk / "disc_on_line" / "scene.json").read_text())
-    (first,) = scene["transitions"]
-    assert abs(first["time"]["value"] - 1 / (0.3 * 9.81)) <= first["time"]["bar"]
-    assert scene["effects"]["Gravity"]["g"] == 9.81 and scene["start"]["slip"] == 1.0
-    s, x, y, nx, ny, bend = np.loadtxt(desk / "disc_on_line" / "outline.csv", delimiter=",", skiprows=1).T
-    assert bend == pytest.approx(10.0 + 0 * s)
-    assert nx * x + ny * y == pytest.approx(-0.1 + 0 * s)  # the left normal points to the centre
 
 
 @pytest.mark.parametrize(
@@ -236,19 +202,6 @@ def test_a_file_that_fails_in_an_odd_way_is_one_line_of_every_command(way, desk,
     assert [path.name for path in desk.iterdir() if path.name != "__pycache__"] == ["odd.py"]
 
 
-def test_what_a_case_file_starts_is_ended_with_its_trial(desk, capsys):
-    (desk / "odd.py").write_text(
-        "import pathlib, subprocess\n"
-        "run = subprocess.Popen(['sleep', '1000'])\n"
-        "pathlib.Path('pid').write_text(str(run.pid))\n"
-        "while True: pass\n"
-    )
-    with pytest.raises(cases.BadValue, match="does not end"):
-        trial.trial("it", lambda: registry.load_file(desk / "odd.py"), seconds=2.0)
-    sleeper = Path("/proc") / (desk / "pid").read_text()
-    assert not sleeper.exists() or "(zombie)" in (sleeper / "status").read_text()
-
-
 TWO = '''
 import cases
 from cases import case
@@ -308,28 +261,11 @@ def test_a_command_of_one_case_finds_it_in_a_file_and_names_those_of_a_file_with
     assert "there is no parameter of fast_one 'mew'; choose from mu" in capsys.readouterr().err
 
 
-def test_a_function_that_a_file_has_not_is_named_with_those_it_has(desk, capsys):
-    (desk / "two.py").write_text(TWO)
-    assert "slow_one" in refused(capsys, "check", "two.py:slow_on")
-    assert "there is no case file 'three'" in refused(capsys, "check", "three:slow_one")
-
-
 def test_the_list_is_printed_on_a_terminal_that_knows_no_letter_beyond_ascii():
     plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
     output = subprocess.run([sys.executable, "-m", "cases"], env=plain, capture_output=True, text=True)
     names = [line for line in output.stdout.splitlines() if not line.startswith(" ")]
     assert output.returncode == 0 and output.stderr == "" and len(names) == len(cases.names())
-
-
-@pytest.mark.parametrize("module", ["cases", "reports.build"])
-def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
-    """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
-    words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
-    output = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert output.returncode == 2 and output.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
-    assert output.stderr.endswith(
-        "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
-    )
 
 
 @pytest.mark.parametrize(
@@ -354,39 +290,6 @@ def test_a_file_that_is_there_is_overwritten_only_by_force(desk, capsys, words, 
     assert "exists already" in refused(capsys, *words)
 
 
-def test_a_suite_that_is_not_installed_says_how_to_show(capsys, monkeypatch):
-    monkeypatch.setattr("cases.commands.entry_points", lambda group, name: [])
-    assert "python -m reports.show" in refused(capsys, "show", "disc_on_line")
-
-
-def test_cases_of_an_installed_package_are_found(monkeypatch):
-    loaded = []
-    found = SimpleNamespace(value="their_package.cases", load=lambda: loaded.append(True))
-    group_of = {"slip_to_roll.cases": [found]}
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: group_of.get(group, []))
-    registry._import_packages.cache_clear()
-    cases.names()
-    assert loaded
-
-
-@pytest.mark.parametrize("width", [60, 80, 200])
-def test_the_list_of_cases_fits_the_terminal(width, monkeypatch, capsys):
-    monkeypatch.setenv("COLUMNS", str(width))
-    assert main([]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= width
-    # Continuation lines are indented, so that each name begins a line.
-    assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(cases.names())
-
-
-def test_the_motion_of_several_contacts_is_shown_contact_by_contact(monkeypatch):
-    monkeypatch.setattr("reports.running.experiment.offers", lambda *_: {})
-    case = cases.load("ladder_at_wall")
-    text = show.facts(case, reference.simulate(case))
-    assert "begins: plate/track slide, plate/track 2 flight, plate/wall slide" in text
-    assert "0.576585244 s: plate/wall flight (the normal force vanished)" in text
-
-
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
 def test_a_command_that_is_ended_leaves_no_unfinished_file(number, code, tmp_path, capsys):
     def work(words):
@@ -405,12 +308,25 @@ def test_a_command_that_is_ended_leaves_no_unfinished_file(number, code, tmp_pat
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
 
 
-def test_the_standard_library_is_searched_before_the_working_folder():
-    library = os.path.dirname(os.__file__)
-    assert search_path.after_standard_library(["/here", "/zip", library, "/site"], "/here") == [
-        "/zip",
-        library,
-        "/here",
-        "/site",
-    ]
-    assert search_path.after_standard_library(["/script", library, "/site"], "/here") == ["/script", library, "/site"]
+def test_what_a_case_file_starts_is_ended_with_its_trial(desk, capsys):
+    (desk / "odd.py").write_text(
+        "import pathlib, subprocess\n"
+        "run = subprocess.Popen(['sleep', '1000'])\n"
+        "pathlib.Path('pid').write_text(str(run.pid))\n"
+        "while True: pass\n"
+    )
+    with pytest.raises(cases.BadValue, match="does not end"):
+        trial.trial("it", lambda: registry.load_file(desk / "odd.py"), seconds=2.0)
+    sleeper = Path("/proc") / (desk / "pid").read_text()
+    assert not sleeper.exists() or "(zombie)" in (sleeper / "status").read_text()
+
+
+@pytest.mark.parametrize("module", ["cases", "reports.build"])
+def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
+    """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
+    words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
+    output = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert output.returncode == 2 and output.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
+    assert output.stderr.endswith(
+        "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
+    )

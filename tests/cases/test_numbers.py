@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from decimal import Decimal
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -13,15 +13,13 @@ import sympy as sp
 
 import cases
 import reference
-from cases import BadValue, Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
-from cases.errors import real
+from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
 from reference.sweeping import Axis
 
 QUARTERS = [
     0.25, Fraction(1, 4), Decimal("0.25"), np.float64(0.25), np.float32(0.25), np.float16(0.25), np.longdouble("0.25"),
     np.array(0.25), sp.Rational(1, 4), sp.Float("0.25"), sp.sqrt(sp.Rational(1, 16)), sp.cos(sp.pi / 3) / 2,
 ]  # fmt: skip
-WHOLE = [3, np.int64(3), np.uint8(3), sp.Integer(3)]
 NONE = [
     "0.25", b"1", True, np.bool_(True), None, 1j, np.complex128(0.25), [0.25], np.array([0.25]), sp.Symbol("x"), sp.I,
     np.timedelta64(1, "s"), np.datetime64("2020"), sp.true, object(), float,
@@ -86,39 +84,10 @@ def test_what_is_not_finite_is_rejected(place, value):
         PLACES[place](value)
 
 
-@pytest.mark.parametrize("value", WHOLE, ids=label)
-def test_a_whole_number_stays_one(value):
-    case = scene(parameters={"corners": value})
-    assert case.label == "unnamed[corners=3]" and type(case.parameters["corners"]) is int
-    assert real(value) == 3.0
-
-
-def test_a_third_is_written_and_read_back():
-    case = cases.load("disc_in_circle", mu=Fraction(1, 3))
-    assert case.label == "disc_in_circle[mu=0.3333333333333333]"
-    assert cases.load(case.label) == case
-    assert case == cases.load("disc_in_circle", mu=1 / 3)
-
-
 @pytest.mark.parametrize("rtol", [Fraction(1, 10**6), Decimal("1e-6"), np.float64(1e-6), sp.Rational(1, 10**6)])
 def test_a_tolerance_of_any_type(rtol):
     case = cases.load("disc_in_circle")
     assert reference.simulate(case, rtol=rtol).transitions == reference.simulate(case, rtol=1e-6).transitions
-
-
-@pytest.mark.parametrize("rtol", ["1e-6", None, True, 1e-15, 0.1, float("nan"), [1e-6]])
-def test_another_tolerance_is_rejected(rtol):
-    case = cases.load("disc_in_circle")
-    with pytest.raises(BadValue, match="rtol is .*; give a number between 1e-14 and 0.01"):
-        reference.simulate(case, rtol=rtol)
-    with pytest.raises(BadValue, match="rtol is .*; give a number between 1e-14 and 0.01"):
-        reference.sweep("disc_in_circle", mu="0.1:0.2:2", rtol=rtol)
-
-
-def test_a_short_float_of_numpy_loses_no_digits_of_the_formula():
-    # SymPy's own conversion works with as few digits as it holds.
-    load = Load(fx=np.float32(0.1))
-    assert load.fx._prec == 53 and float(load.fx) == float(np.float32(0.1))
 
 
 LINE, CIRCLE, DISC = cases.library.line(), cases.library.circle(1.0), disc(0.1, 1.0)
@@ -197,56 +166,9 @@ for number, curve in enumerate((LINE, CIRCLE, PARABOLA, CHAIN, SQUARE, SPLINE)):
 def test_nonsense_in_a_public_function_is_one_sentence_or_a_result(name):
     """Nothing but CaseError is raised, whichever argument is wrong."""
     call, right = CALLS[name]
-    for argument in right:
-        for value in NONSENSE:
-            with suppress(cases.CaseError), np.errstate(all="ignore"):
+    for argument, value in product(right, NONSENSE):
+        try:
+            with np.errstate(all="ignore"):
                 call(**(right | {argument: value}))
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: cases.arc(None, 1.0, 2.0, 3.0),
-        lambda: cases.arc((0.0, "1"), 1.0, 2.0, 3.0),
-        lambda: cases.case(3),
-        lambda: cases.case("name"),
-        lambda: cases.case(lambda: None, variants=3),
-        lambda: cases.case(lambda: None, variants=[3]),
-        lambda: cases.fit_friction(10**400, [1, 2, 3], 0.1),
-        lambda: cases.fit_waves([10**400, 1, 2], [1, 2, 3], 0.1),
-        lambda: LINE.length(None, 1.0),
-        lambda: LINE.length(0.0, np.inf),
-        lambda: LINE.even(0.0, 1.0, 1.5),
-        lambda: LINE.point(None),
-        lambda: LINE.tangent("x"),
-        lambda: CIRCLE.jet(None),
-        lambda: cases.case(lambda: None, hard=np.zeros(2)),
-        lambda: PARABOLA.jet(1e308),
-        lambda: SQUARE.length(0.0, 1e300),
-        lambda: SQUARE.point(None),
-        lambda: cases.Mode("rolling"),
-        lambda: cases.names(hard="no"),
-        lambda: cases.Trajectory(**(SAMPLES | {"x": [1.0, 2.0]})),
-        lambda: MOTION.plot("slip", colour="no colour"),
-        lambda: reference.sweep(int, mu="0.1:0.2:2"),
-        lambda: reference.sweep("disc_on_line", mu="1_0,2"),
-        lambda: LINE.curvature(["x"]),
-        lambda: LINE.tangent_angle(None),
-        lambda: cases.Plate.homogeneous(3, 1.0),
-        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, holes=3),
-        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, holes=[3]),
-        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, inlays=[3]),
-        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, inlays=[(CIRCLE,)]),
-        lambda: MOTION.times(1.5),
-        lambda: MOTION.to_frame("x"),
-        lambda: MOTION.to_csv(None),
-        lambda: cases.constructions.piecewise(3),
-        lambda: cases.constructions.natural(3, 1.0),
-        lambda: cases.constructions.natural(lambda s: s, None),
-        lambda: cases.constructions.natural(lambda s: s, 1.0, start=None),
-        lambda: cases.library.from_support(3),
-    ],
-)
-def test_a_wrong_argument_of_a_public_function_is_one_sentence(call):
-    with pytest.raises(cases.CaseError, match="give|there is no"):
-        call()
+        except cases.CaseError as error:
+            assert "\n" not in str(error) and str(error)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import pickle
 import subprocess
 import sys
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import pi
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,36 +16,27 @@ import reference
 from adapters.interface import refusal
 from adapters.laws import Route
 from cases import (
-    BadValue,
     Case,
     ContactEffect,
     ContactForce,
     CoulombFriction,
-    Drive,
-    EndCondition,
     Flight,
     Gravity,
     Impact,
     Mode,
-    NotSupported,
-    Plate,
     Start,
     Unilateral,
     disc,
     registry,
 )
-from cases.library import circle, ellipse, line
-from reference import endings
-from reference.solver import march
+from cases.library import circle, line
 from reports.judging.friction_factor import losses
 from reports.judging.residuals import broken_laws, examine
 from reports.running import reference_adapter
-from reports.running.storage.fingerprint import content
 from tests.adapters.mutants import of_case
 from tests.scenes import second as second_states
-from tests.scenes.agreement import agree
 from tests.scenes.motions import sampled
-from tests.scenes.moving import Adhesion, check_invariance, on_line
+from tests.scenes.moving import on_line
 
 pytestmark = pytest.mark.builds
 
@@ -126,49 +116,6 @@ def test_a_condition_ends_the_motion_with_its_status_and_sentence():
     assert reference.simulate(case).reason == "The spin reached the limit of the magnet."
 
 
-@pytest.mark.slow
-def test_a_magnet_holds_a_disc_on_an_accelerated_plate():
-    """A disc rolls with a/3 on a plate with the acceleration a while a ≤ 3 μ (g + pull/m), and slides with
-    μ (g + pull/m) on a faster one."""
-    for a in (6.0, 12.0):
-        effects = (Gravity(9.81), CoulombFriction(0.1), magnet(20.0), Unilateral(), Drive(x=f"{a / 2}*t**2"))
-        case = Case(line(), disc(0.1, 1.0), effects, Start(0.0), 1.0)
-        for motion in all_motions(case):
-            assert motion.status == "completed" and not motion.transitions
-        for method in reference.METHODS:
-            end = reference.simulate(case, 1e-13, method)(1.0)
-            assert end.vx == pytest.approx(min(a / 3, 0.1 * 29.81), abs=1e-12)
-        assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
-
-
-def test_eddy_currents_brake_the_rotation_relative_to_a_track_that_turns():
-    """In a drum that turns with w about its centre, without gravity, (J + m r²) ω̇ = −brake (ω − w) while it rolls."""
-    spin, brake = 2.0, 0.01
-    effects = (CoulombFriction(0.8), magnet(5.0, brake, 30.0), Drive(angle=f"{spin}*t"))
-    case = Case(circle(1.0), disc(0.1, 1.0), effects, Start(-pi / 2, omega=-20.0), 2.0)
-    times = np.linspace(0.0, 2.0, 20)
-    exact = spin + (-20.0 - spin) * np.exp(-brake / 0.015 * times)
-    for method in reference.solve.ROUTES:
-        motion = reference.simulate(case, 1e-13, method)
-        assert motion(times).omega == pytest.approx(exact, abs=1e-11)
-        assert examine(case, motion).energy <= 1e-11
-    second = second_states.solve(case, rtol=1e-13, times=times)
-    assert second.motions[second_states.MOTION.index("omega")] == pytest.approx(exact, abs=1e-11)
-    # The limit of the magnet's spin is that relative to the drum: with 31 relative and 29 fixed it is passed.
-    fast = replace(case, start=replace(case.start, omega=-29.0))
-    assert all(motion.status == "too_fast" and motion.t[-1] == 0.0 for motion in [reference.simulate(fast)])
-
-
-def test_a_magnet_stops_a_block_that_does_not_turn():
-    """v̇ = −μ (g + pull/m) for a plate of infinite inertia, and the track carries the couple."""
-    effects = (Gravity(9.81), CoulombFriction(0.1), magnet(20.0, 0.01), Unilateral())
-    case = Case(line(), disc(0.1, 1.0, inf), effects, Start(0.0, slip=1.0), 1.0)
-    for motion in all_motions(case):
-        assert [t.after for t in motion.transitions] == [Mode.REST]
-        assert motion.transitions[0].time == pytest.approx(1.0 / (0.1 * 29.81), abs=1e-13)
-    assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
-
-
 @dataclass(frozen=True)
 class Lift(ContactEffect):
     """A force and a couple that lift the plate while it touches, and not in flight."""
@@ -201,20 +148,6 @@ def test_a_growing_force_that_lifts_in_contact_alone_ends_the_motion_where_it_is
         assert [t.after for t in motion.transitions] == ([Mode.FLIGHT] if status == "lift_off" else [])
 
 
-@ENDS
-@pytest.mark.parametrize("part", [0.999, 1.001])
-def test_a_couple_lifts_an_ellipse_at_once_from_the_value_that_holds_its_weight(more, status, part):
-    """At rest, without friction, N is positive while g > M (p·t)/J, with the outline's point p and its tangent t."""
-    a, b, xi2, J = 0.2, 0.1, 5.3, 0.01
-    x, y, tx, ty = a * np.cos(xi2), b * np.sin(xi2), -a * np.sin(xi2), b * np.cos(xi2)
-    arm = (x * tx + y * ty) / np.hypot(tx, ty)
-    effects = (Gravity(9.81), Lift(couple=float(part * 9.81 * J / arm)), Unilateral(), *more)
-    case = Case(line(), Plate(ellipse(a, b), 1.0, J), effects, Start(0.0, xi2), 0.01)
-    for motion in all_motions(case):
-        assert (end_of(motion) > 0.0) == (part < 1.0)
-        assert motion.status == status if part > 1.0 else not motion.transitions or end_of(motion) > 1e-4
-
-
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("across", [30.0, -30.0])
 @pytest.mark.parametrize("e", [0.0, 0.5])
@@ -228,34 +161,6 @@ def test_bounces_are_those_of_the_weight_alone(across, e):
         assert motion.status == ("accumulation" if across > 0.0 else "completed")
         assert time == pytest.approx(exact, abs=1e-13)
         assert across > 0.0 or motion.transitions[-1].after is Mode.ROLL
-
-
-@pytest.mark.parametrize("method", reference.METHODS)
-def test_the_end_of_a_motion_that_can_neither_stay_nor_fly_is_decided_once(monkeypatch, method):
-    """A flight of zero length that came down at once was repeated, a thousand times and for up to half a minute."""
-    case = on_line(Lift(30.0), Flight(), Impact(0.0), gap=0.1)
-    monkeypatch.setattr(march, "MOST_PHASES", 1)
-    assert reference.simulate(case, method=method).reason == endings.LIFTED[1]
-    assert second_states.motion(case).status == "accumulation"
-
-
-@pytest.mark.slow
-def test_a_brake_lifts_an_ellipse_off_a_driven_slope_and_both_formulations_end_there():
-    """Where the normal force vanishes, the brake's couple still lifts by 0.04 m/s², and without it the plate would come
-    down. One formulation flew on, 6e-9 m into the track, and the other ended there."""
-    effects = (
-        Gravity(9.81), CoulombFriction(0.284), Adhesion(0.00114, 0.3, 0.00131), Unilateral(), Flight(),
-        Impact(0.3, "moreau"), Drive(y="0.045*cos(4.95*t)", angle="0.292*t"),
-    )  # fmt: skip
-    start = Start(-0.976175, 1.65241, slip=-0.850938, omega=0.250887)
-    case = Case(line(-0.2262), Plate(ellipse(0.180668, 0.138537), 1.0, 0.00653366), effects, start, 1.5)
-    motion = agree(case)
-    assert motion.status == "accumulation" and [t.after for t in motion.transitions] == [Mode.ROLL, Mode.SLIP_BACKWARD]
-
-
-def test_mirror_image_rotation_and_units_change_no_transition():
-    for more in ({"slip": 1.0}, {"slip": -0.3, "omega": 8.0}):
-        assert check_invariance(on_line(Adhesion(2.0, 0.3, 0.002), slope=0.2, **more))
 
 
 def test_the_true_motion_breaks_no_law_and_has_the_friction_factor_one():
@@ -278,21 +183,6 @@ def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():
     adapter.OWN_EFFECTS = (type(magnet(1.0)),)
     assert refusal(adapter, case, "native") is None
     assert refusal(reference_adapter, case, "taylor") is None
-
-
-def test_proofs_reject_it_in_one_sentence():
-    with pytest.raises(NotSupported, match="has Magnet, which proofs do not cover"):
-        reference.prove(in_circle(magnet(60.0)))
-
-
-def test_a_case_with_it_travels_and_its_stored_results_depend_on_its_formulas(monkeypatch):
-    case = in_circle(magnet(60.0))
-    assert pickle.loads(pickle.dumps(case)) == case
-    before = content(case)
-    monkeypatch.setattr(type(magnet(1.0)), "force", lambda self: ContactForce(across=-2.0 * self.pull))
-    assert content(in_circle(magnet(60.0))) == before  # cached by the case, which is equal
-    content.cache_clear()
-    assert content(in_circle(magnet(60.0))) != before
 
 
 def test_its_law_is_kept_by_an_adapter_that_supports_it_and_broken_by_a_mistake():
@@ -328,50 +218,3 @@ def test_an_installed_package_adds_its_effect_its_case_and_its_law(tmp_path):
     environment = {"PYTHONPATH": f"{tmp_path}:{Path(__file__).parents[2]}", "PATH": "/usr/bin:/bin"}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, cwd=tmp_path)
     assert run.stdout.strip() == "['magnet'] True completed", run.stderr
-
-
-# --- wrong effects ----------------------------------------------------------------------------------------------------
-
-
-class Loose(ContactEffect):
-    pass
-
-
-@dataclass(frozen=True)
-class Sine(ContactEffect):
-    def force(self):
-        return ContactForce(along="sin(t)")
-
-
-@dataclass(frozen=True)
-class Unknown(ContactEffect):
-    def force(self):
-        return ContactForce(couple="-0.1*theta")
-
-
-@dataclass(frozen=True)
-class Ending(ContactEffect):
-    def ends(self):
-        return EndCondition("ended", "1 - t", "Time."), EndCondition("ended", "1 - slip", "Slip.")
-
-
-@dataclass(frozen=True)
-class Failing(ContactEffect):
-    def force(self):
-        raise KeyError("pull")
-
-
-@pytest.mark.parametrize(
-    ("effect", "words"),
-    [
-        (Loose(), "Loose is no frozen dataclass"),
-        (Sine(), "no polynomial of degree 2"),
-        (Unknown(), "couple of Unknown"),
-        (Failing(), "the formulas of Failing fail"),
-        (Ending(), "two conditions end the motion with the status 'ended'"),
-    ],
-)
-def test_a_wrong_effect_gets_one_line(effect, words):
-    with pytest.raises(BadValue, match=words) as output:
-        in_circle(effect)
-    assert "\n" not in str(output.value)

@@ -58,16 +58,6 @@ def test_on_a_full_disk_there_is_the_old_file_or_none(before, tmp_path):
     assert holds(tmp_path) == {"film.gif": "x" * 101}
 
 
-@pytest.mark.parametrize("durable", [True, False])
-def test_a_file_is_on_the_disk_before_it_takes_its_place(durable, tmp_path, monkeypatch):
-    calls = []
-    for name in ("fsync", "replace"):
-        call = getattr(os, name)
-        monkeypatch.setattr(os, name, lambda *args, name=name, call=call: (calls.append(name), call(*args)))
-    owned_folder.write(tmp_path / "a", "text", durable=durable)
-    assert calls == (["fsync", "replace", "fsync"] if durable else ["replace"])  # the last one: of the folder
-
-
 def test_a_file_is_not_replaced_unless_that_is_asked_for(tmp_path):
     file = tmp_path / "film.gif"
     file.write_text("precious")
@@ -82,17 +72,6 @@ def test_a_file_is_not_replaced_unless_that_is_asked_for(tmp_path):
             with pytest.raises(BadValue, match="give another name$"):
                 owned_folder.check_new(tmp_path / odd, force)
     assert file.read_text() == "precious"
-
-
-def test_a_file_system_without_links_replaces_nothing_either(tmp_path, monkeypatch):
-    def no_links(*_):
-        raise OSError("Operation not permitted")
-
-    monkeypatch.setattr(os, "link", no_links)
-    owned_folder.write(tmp_path / "a", "first", replace=False)
-    with pytest.raises(FileExistsError):
-        owned_folder.write(tmp_path / "a", "second", replace=False)
-    assert holds(tmp_path) == {"a": "first"}
 
 
 def test_permissions_are_those_that_the_user_wants(tmp_path):
@@ -169,21 +148,6 @@ def test_a_folder_of_the_users_is_not_taken_over(tmp_path):
             OwnedFolder(tmp_path, "report").check()
 
 
-def test_a_list_that_is_a_link_a_pipe_or_too_long_a_tale_is_no_list(tmp_path):
-    for odd in ("link", "pipe", "folder"):
-        place = tmp_path / odd
-        report = made(place, ["index.html"])
-        (place / LIST).rename(tmp_path / f"{odd}.list")
-        if odd == "link":
-            (place / LIST).symlink_to(tmp_path / f"{odd}.list")
-        elif odd == "pipe":
-            os.mkfifo(place / LIST)
-        else:
-            (place / LIST).mkdir()
-        with pytest.raises(BadValue, match="is no report"):
-            report.check()
-
-
 @pytest.mark.parametrize("name", ["../up", "/etc/passwd", "a/../../up", "a//b", "./a", "", ".", "..", LIST, "a/./b"])
 def test_no_name_on_a_list_leads_out_of_its_folder(name, tmp_path):
     outside = tmp_path / "up"
@@ -196,35 +160,6 @@ def test_no_name_on_a_list_leads_out_of_its_folder(name, tmp_path):
         report.write(name, b"mine now")
     report.clear()
     assert outside.read_text() == "precious"
-
-
-def test_a_folder_that_became_a_link_is_the_users(tmp_path):
-    report = made(tmp_path / "report", ["index.html", "tables/a.csv"])
-    (report.path / "tables").rename(tmp_path / "elsewhere")
-    (report.path / "tables").symlink_to(tmp_path / "elsewhere")
-    for work in (report.check, report.clear, lambda: made(report.path, ["tables/a.csv"], "new")):
-        with pytest.raises(BadValue, match="tables/a.csv was not written by this command"):
-            work()
-    assert holds(tmp_path / "elsewhere") == {"a.csv": "ours"}
-
-
-def test_a_line_that_a_loss_of_power_cut_short_is_passed_over(tmp_path):
-    report = made(tmp_path, ["index.html", "tables/a.csv"])
-    list_ = tmp_path / LIST
-    list_.write_text(list_.read_text() + "0123456789abcdef  tables/")
-    report.write("tables/b.csv", b"ours")
-    assert report.names() == ["index.html", "tables/a.csv", "tables/b.csv"]
-
-
-def test_what_the_user_changes_while_we_work_stays(tmp_path):
-    report = made(tmp_path, ["index.html", "tables/a.csv"])
-    with report.write_lock():
-        (tmp_path / "tables" / "a.csv").write_text("precious")
-        report.clear()
-        (tmp_path / "index.html").write_text("precious")
-        with pytest.raises(BadValue, match="has changed since; move it"):
-            report.write("index.html", b"new")
-    assert holds(tmp_path) == {"tables/a.csv": "precious", "index.html": "precious"}
 
 
 @pytest.fixture
@@ -279,12 +214,6 @@ def test_a_full_disk_leaves_the_old_report_and_no_new_folder(tmp_path):
             made(tmp_path / place, ["index.html", "tables/b.csv"], "1")
     assert holds(tmp_path / "old") == {"index.html": "ours", "tables/a.csv": "ours"}
     assert not (tmp_path / "new").exists() and OwnedFolder(tmp_path / "old", "report").names()
-
-
-def test_the_users_empty_folder_is_left_where_work_fails(tmp_path):
-    with pytest.raises(RuntimeError), OwnedFolder(tmp_path, "report").staging():
-        raise RuntimeError("the work fails")
-    assert tmp_path.is_dir() and not list(tmp_path.iterdir())
 
 
 # --- the user and we, in any order ------------------------------------------------------------------------------------

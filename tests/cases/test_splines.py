@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cases import BadCurve, BadValue, Curve, NotSupported, Plate, UnknownName
+from cases import BadCurve, BadValue, Curve, Plate
 from cases.curves.point_sources import as_points
 
 
@@ -53,25 +53,6 @@ def test_a_spline_of_exact_points_converges_with_its_order():
     assert np.all(orders[:, 0] > 5.5) and np.all(orders[:, 1] > 3.5), orders
 
 
-def test_a_closed_spline_continues_in_every_turn():
-    curve = Curve.spline(ellipse_points(24), closed=True)
-    s = np.linspace(-2.0, 2.0, 101) * curve.period
-    # The parameter of a point two turns away has four times the rounding.
-    assert np.abs(curve.jets(s) - curve.jets(s + 2 * curve.period))[:4].max() <= 1e-13
-    turn = curve.tangent_angle(s[-1]) - curve.tangent_angle(s[0])
-    assert turn == pytest.approx(8 * np.pi, abs=1e-12)
-    first, before = curve.part(0), curve.part(-24)
-    assert before.domain == pytest.approx(np.array(first.domain) - curve.period, rel=1e-14)
-    again = Curve.spline(np.vstack([ellipse_points(24), ellipse_points(1)]), closed=True)
-    assert again.period == pytest.approx(curve.period, rel=1e-15)
-
-
-def test_one_evaluation_and_many_agree_to_the_last_bit():
-    curve = Curve.spline(ellipse_points(24), closed=True)
-    s = np.linspace(-7.0, 13.0, 300)
-    assert np.array_equal(np.array([curve.jet(value) for value in s.tolist()]).T, curve.jets(s))
-
-
 @pytest.mark.parametrize("closed", [False, True])
 def test_smoothing_is_a_tolerance_in_metres(closed):
     points = ellipse_points(120) if closed else cosine(120)
@@ -92,44 +73,6 @@ def test_points_from_arrays_files_and_frames_are_the_same(tmp_path):
     curves = [Curve.spline(source) for source in (points, points.tolist(), file, str(file), frame)]
     assert all(curve == curves[0] and hash(curve) == hash(curves[0]) for curve in curves)
     assert curves[0] != Curve.spline(points[:-1])
-
-
-def test_a_spline_travels_to_another_process():
-    curve = Curve.spline(ellipse_points(24), closed=True)
-    back = pickle.loads(pickle.dumps(curve))
-    assert back == curve and back.jet(0.3) == curve.jet(0.3) and back.residual == curve.residual
-
-
-def test_repeated_points_count_once():
-    points = cosine(20)
-    assert Curve.spline(np.repeat(points, 2, axis=0)) == Curve.spline(points)
-
-
-@pytest.mark.parametrize(
-    "error, message, make",
-    [
-        (BadValue, "give at least 6", lambda: Curve.spline(cosine(5))),
-        (BadValue, "point 3 is not finite", lambda: Curve.spline([(0, 0), (1, 0), (np.nan, 1)] * 4)),
-        (BadValue, r"shape \(n, 2\)", lambda: Curve.spline([1, 2, 3])),
-        (BadValue, "not numbers", lambda: Curve.spline([("a", "b")] * 9)),
-        (BadValue, "smoothing is -1", lambda: Curve.spline(cosine(20), smoothing=-1.0)),
-        (BadValue, "closed is", lambda: Curve.spline(cosine(20), closed="no")),
-        (UnknownName, "there is no file of points", lambda: Curve.spline("nowhere.csv")),
-        (BadCurve, "part of the closed curve has", lambda: Curve.spline(ellipse_points(40)[:30], closed=True)),
-        (NotSupported, "no single formula", lambda: Curve.spline(cosine(20)).expression),
-    ],
-)  # fmt: skip
-def test_wrong_points_are_rejected_in_one_sentence(error, message, make):
-    with pytest.raises(error, match=message):
-        make()
-
-
-def test_a_homogeneous_plate_may_have_a_spline_for_its_outline():
-    """The points of an ellipse, off its centre: its area, centre and inertia to the order of the interpolation."""
-    points = ellipse_points(80) + [0.3, -0.2]
-    plate = Plate.homogeneous(Curve.spline(points, closed=True), mass=2.0)
-    assert plate.inertia == pytest.approx(2.0 * (1.0 + 0.36) / 4, rel=1e-8)
-    assert np.abs(plate.outline.point(0.0) - [1.0, 0.0]).max() < 1e-9  # about the centre of mass
 
 
 def test_svg_path_data_give_points_with_y_upwards():

@@ -54,11 +54,6 @@ def test_the_code_of_a_page_runs_from_top_to_bottom(page, desk):
         exec(compile(code, f"{page.name}, block {number}", "exec"), names)
 
 
-def test_there_are_pages_with_code():
-    named = {"README.md", "tutorial.md", "add_a_case.md", "truth.md", "equations.md"}
-    assert named <= {page.name for page in WITH_CODE}
-
-
 COMMANDS = [
     (page.name, line.partition("#")[0].strip())
     for page in PAGES
@@ -137,12 +132,6 @@ def test_the_gallery_has_the_outputs_of_all_cells_and_is_small():
     assert len(cells) > 25 and all(cell["outputs"] for cell in cells) and {"image/png", "text/html"} <= kinds
     assert not any(output["output_type"] == "error" for cell in cells for output in cell["outputs"])
     assert file.stat().st_size < 1_000_000
-
-
-def test_the_film_of_the_first_page_is_small():
-    film = ROOT / "docs" / "disc_in_circle.gif"
-    assert "(disc_in_circle.gif)" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    assert film.stat().st_size < 1_000_000
 
 
 def test_the_pages_are_in_the_order_tutorial_how_to_reference_explanation():

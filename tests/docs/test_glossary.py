@@ -76,27 +76,8 @@ def test_each_class_and_column_exists_at_its_home():
     assert missing(PAGE) == []
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("`cases/scene/case_class.py`", "`cases/question.py`"),
-        ("`Transition`", "`Change`"),
-        ("`Case.track`", "`Case.rail`"),
-        ("`off_doubt`", "`sureness`"),
-        ("`engines`", "`motors`"),
-    ],
-)
-def test_a_name_that_does_not_exist_is_reported(old, new):
-    assert old in PAGE and len(missing(PAGE.replace(old, new))) >= 1
-
-
 def test_no_central_class_shares_its_name_with_another_class():
     homes = public_classes()
     central = {name.partition(".")[0] for _, name, home in rows(PAGE) if home != COLUMNS_HOME}
     duplicates = {name: homes[name] for name in sorted(central & homes.keys()) if len(homes[name]) > 1}
     assert duplicates == {}
-
-
-def test_the_index_and_the_readme_link_to_the_glossary():
-    assert "(glossary.md)" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    assert "(docs/glossary.md)" in (ROOT / "README.md").read_text(encoding="utf-8")

@@ -8,23 +8,7 @@ import pytest
 
 import cases
 import reference
-from cases import (
-    BadValue,
-    Belt,
-    Case,
-    CoulombFriction,
-    DoesNotFit,
-    Flight,
-    Gravity,
-    Impact,
-    Mode,
-    Plate,
-    RollingResistance,
-    Start,
-    Unilateral,
-    contact,
-    disc,
-)
+from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Plate, Start, Unilateral, disc
 from cases.library import circle, ellipse, line
 from tests.scenes.agreement import agree
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
@@ -103,40 +87,6 @@ def test_pulse_of_a_belt_is_not_stepped_over():
     assert motion.transitions[0].time == pytest.approx(1.0, abs=1e-5)
     assert motion.transitions[1].time == pytest.approx(1.0 + 1.0 / (3 * 0.3 * G), abs=1e-5)
     agree(case)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        (lambda: Belt("v"), "use t"),
-        (lambda: Belt(0.0), "leave Belt out"),
-        (lambda: Belt(None), "speed of Belt"),
-        (lambda: on_line(Belt("1/t")), "at t = 0"),
-    ],
-)
-def test_wrong_belts_are_rejected_with_what_to_give(wrong, sentence):
-    with pytest.raises(BadValue, match=sentence):
-        wrong()
-
-
-def test_belts_need_friction_and_exclude_rolling_resistance():
-    with pytest.raises(DoesNotFit, match="CoulombFriction or PerfectlyRough"):
-        Case(line(), disc(R, M), (Gravity(G), Belt(1.0)), Start(0.0), 1.0)
-    with pytest.raises(DoesNotFit, match="no established law"):
-        on_line(Belt(1.0), RollingResistance(0.01))
-
-
-def test_slip_of_a_belt_needs_times():
-    case = on_line(Belt("t"))
-    with pytest.raises(BadValue, match="give the times"):
-        contact.slip_velocity(case, 0.0, R, 1.0, 0.0, 0.0, 0.0)
-    assert contact.slip_velocity(case, 0.0, R, 1.0, 0.0, 0.0, 0.0, 0.25) == pytest.approx(0.75)
-
-
-def test_sweep_simulates_belts_one_by_one():
-    """One by one, with the same times."""
-    rows = reference.sweep("disc_on_conveyor", speed=[0.5, 1.0, 2.0])
-    assert list(rows["first_time"]) == pytest.approx([v / (3 * 0.1 * G) for v in (0.5, 1.0, 2.0)], abs=EXACT)
 
 
 @pytest.mark.parametrize("method", reference.METHODS)

@@ -6,14 +6,11 @@ from math import atan, cos, exp, inf, pi, sin, sqrt
 import numpy as np
 import pytest
 
-import cases
 import reference
 from cases import (
-    BadValue,
     Belt,
     Case,
     CoulombFriction,
-    Curve,
     Flight,
     FreePlate,
     Gravity,
@@ -23,21 +20,18 @@ from cases import (
     Pair,
     PerfectlyRough,
     Plate,
-    Start,
     StartPose,
     Support,
     Unilateral,
     disc,
 )
-from cases.contact import belt_speed, start_motion
+from cases.contact import belt_speed
 from cases.library import line
 from cases.motion.mechanics import energy
 from reference.certification.witnesses import _by_second
-from reference.solver import columns
 from tests.scenes import second as second_states
-from tests.scenes.agreement import agree
 from tests.scenes.motions import contact_case, work_done
-from tests.scenes.supports import compare_with_matrix, events, simulated, slow
+from tests.scenes.supports import simulated, slow
 
 G = 9.81
 INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -185,31 +179,6 @@ def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
     assert first.time == pytest.approx(G * 1.5 / 16.0, abs=1e-10)
 
 
-@pytest.mark.slow
-@METHODS
-def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
-    """It slips for b/(μ g) over b²/(2 μ g), is carried on, and stops (e = 0); the belt then pushes with μ m g."""
-    b, mu, way = 0.8, 0.3, 0.7
-    stop = Support(Curve(lambda s: (1.0 + 0.0 * s, 1.0 * s)), "stop", ())
-    case = block_on_belt(b, mu=mu, end=1.5, supports=(stop,))
-    motion = motion_by(case, method)
-    rolls, stops = b / (mu * G), b / (mu * G) + (way - b * b / (2.0 * mu * G)) / b
-    assert sorted({round(t.time, 12) for t in motion.transitions}) == pytest.approx([rolls, stops], abs=2e-12)
-    assert events(motion)[-4:] == [
-        ("plate/stop", Mode.FLIGHT, Mode.SLIDE), ("plate/stop 2", Mode.FLIGHT, Mode.SLIDE),
-        ("plate/track", Mode.ROLL, Mode.SLIP_BACKWARD), ("plate/track 2", Mode.ROLL, Mode.SLIP_BACKWARD),
-    ]  # fmt: skip
-    if method == "second":
-        assert second_states.poses(case, [1.4])[0, 0] == pytest.approx(way, abs=1e-12)
-    else:
-        end = motion(1.4)
-        assert (end.x, end.vx, end.omega) == pytest.approx((way, 0.0, 0.0), abs=1e-12)
-        pushes = [motion.contact_columns(f"plate/stop{which}", np.array([1.4])) for which in ("", " 2")]
-        # The stop's two forces are not unique, but their sum is: each can have all of it but what the other needs.
-        least, most = (one[:, 0] for one in (pushes[0].normal_range, pushes[1].normal_range))
-        assert least[0] + most[1] == pytest.approx(mu * G, rel=1e-9)  # HiGHS' tolerance
-
-
 # --- a box on a belt that runs for a moment ---------------------------------------------------------------------------
 
 
@@ -273,56 +242,7 @@ def test_the_work_of_belts_and_friction_is_the_gain_of_energy():
     assert (belt_speed(belt[0], 0.0), belt_speed(belt[1], 0.0)) == (1.5, 0.0)
 
 
-# --- both formulations and the paper's matrix -------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
-    # The disc rolls down a valley whose surface runs, meets it in a second place, and is spun in both.
-    valley = Curve(lambda s: (1.0 * s, 2.0 * s * s))
-    effects = (*INELASTIC, CoulombFriction(0.3), Belt(0.8))
-    case = Case(valley, disc(0.4, 1.0), effects, Start(-0.9), 1.0)
-    motion = agree(case)
-    assert motion.status == "completed" and "plate/track 2" in motion.contact_names
-
-
-@pytest.mark.slow
-def test_the_papers_matrix_with_belts_gives_the_same_accelerations_and_forces():
-    compared = compare_with_matrix((disc_at_wall(-2.0),))
-    rows = [len(modes) + modes.count(Mode.ROLL) for modes in compared]
-    assert len(rows) >= 6 and max(rows) == 3  # of a disc that sticks to the belt and slips at the wall
-
-
 # --- the checks -------------------------------------------------------------------------------------------------------
-
-
-def test_a_belt_is_that_of_its_own_support():
-    wall = Support(line(pi / 2), "wall")
-    case = replace(disc_at_wall(1.0), supports=(wall,))
-    assert contact_case(case, "plate/track").effect(Belt) is not None
-    assert contact_case(case, "plate/wall").effect(Belt) is None
-    assert contact_case(case, "plate/wall").effect(CoulombFriction) == CoulombFriction(MU)
-
-
-def test_velocities_of_a_pose_on_a_belt_are_those_of_the_plate():
-    case = replace(disc_at_wall(1.0), start=StartPose(2.0, R, vx=0.25, omega=0.5))
-    begin = start_motion(case)
-    assert (begin.vx, begin.omega) == (pytest.approx(0.25, abs=1e-15), 0.5)
-    assert case.start.slip == pytest.approx(0.25 + R * 0.5 - 1.0, abs=1e-15)
-
-
-def test_further_plates_run_on_belts():
-    """Discs set down on a belt and on its floor far away: μ g drives the centre, 2 μ g the rim, and slip ends after
-    |slip|/(3 μ g) for each by itself."""
-    far = FreePlate(disc(R, 2.0), StartPose(50.0, R, vx=0.5), "other")
-    effects = tuple(e for e in INELASTIC if not isinstance(e, CoulombFriction))
-    for speed, slip in ((1.0, 0.5 - 1.0), (-0.2, 0.5 + 0.2)):
-        case = Case(
-            line(), disc(R, 1.0), (*effects, CoulombFriction(MU), Belt(speed)), StartPose(R, R), 1.0, others=(far,)
-        )
-        ends = {change.contact: change.time for change in reference.simulate(case).transitions}
-        assert ends["plate/track"] == pytest.approx(abs(speed) / (3.0 * MU * G), abs=1e-12)
-        assert ends["other/track"] == pytest.approx(abs(slip) / (3.0 * MU * G), abs=1e-12)
 
 
 @pytest.mark.parametrize("inertia", [None, inf])
@@ -341,21 +261,3 @@ def test_a_belt_drives_what_lies_on_it_and_nothing_that_lies_on_that(inertia):
     )  # of a box as heavy as a million discs
     assert motion.vx[-1] == pytest.approx(speed, rel=1e-12)
     assert motion.plate("upper").vx[-1] == pytest.approx(speed / 3.0, rel=1e-9)
-
-
-def test_the_speed_of_a_belt_has_a_value_at_the_start():
-    with pytest.raises(BadValue, match="speed of Belt or its rate has no value"):
-        replace(disc_at_wall(1.0), supports=(Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt("1/t"))),))
-
-
-def test_forces_that_are_not_unique_are_computed_once_for_each_instant(monkeypatch):
-    """Of all contacts, however often they are asked for: a comparison asks ten times, and they are slow."""
-    motion, calls, ranges = reference.simulate(cases.load("disc_in_v_of_belts")), [], columns.forces.ranges
-    assert motion.t[-1] == 1.5  # its own samples are computed here
-    monkeypatch.setattr(columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
-    columns._ranges.cache_clear()
-    times = np.linspace(0.3, 0.7, 5)
-    for name in 2 * motion.contact_names:
-        assert np.isfinite(motion.contact_columns(name, times).normal_range).all()
-    motion(times)
-    assert len(calls) == len(times)

@@ -3,15 +3,12 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import sympy as sp
 
 import cases
-from cases import Case, CoulombFriction, Curve, Gravity, Load, NotSupported, Start, Transition, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Transition, Unilateral, disc
 from cases import curves as c
-from cases.effects import MOTION
-from cases.library import line
 from reference import __main__ as command
 from reference import simulate
 from reference.__main__ import main
@@ -19,12 +16,9 @@ from reference.certification import certificate as certification
 from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
 from reference.minimal.integrators import taylor
-from reference.solver import march
-from reference.witness import steps
 from tests.authorities.many_digits import STATES, TIMES, computed
 from tests.scenes import second as second_states
 
-GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 BOWLED = cases.load("disc_on_line[mu=0.1]")
 
 
@@ -58,27 +52,6 @@ def test_what_all_witnesses_agree_on_breaks_no_law(monkeypatch):
         certify(BOWLED)
 
 
-def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by_others(monkeypatch):
-    monkeypatch.setattr(march, "MOST_PHASES", 1)
-    monkeypatch.setattr(witnesses, "_by_second", None)
-    with pytest.raises(NotCertified, match=r"no witness reaches the end of the motion: .* at 0\.\d+ s$"):
-        certify(BOWLED)
-
-
-def test_a_way_that_does_not_get_to_the_end_is_told_and_the_truth_rests_on_the_others(monkeypatch):
-    monkeypatch.setattr(steps, "MOST_WORK", 2)  # a disc on a line takes few steps
-    if not taylor.AVAILABLE:  # DOP853 and the second formulation are all there is
-        with pytest.raises(
-            NotCertified, match="a certificate needs at least two witnesses; .*contact frame 1e-13 reached its limit"
-        ):
-            certify(BOWLED)
-        return
-    certificate = certify(BOWLED)
-    assert certificate.status == "completed"
-    assert not any("contact frame" in name for name in certificate.witnesses)
-    assert "contact frame 1e-13 reached its limit on steps at" in certificate.missing[0]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("label", STATES)
 def test_samples_hold_a_computation_with_many_digits(label):
@@ -98,16 +71,6 @@ def test_the_many_digits_are_computed_again():
             assert abs(one - sp.Float(kept, 30)) < 1e-19
 
 
-def test_no_bar_is_narrower_than_the_rounding_of_what_it_is_worked_out_from(bowled):
-    """Four roundings of the plate's way for a place, of the slip's first value for a speed that has become zero."""
-    rounding = 2.0**-52
-    for one in bowled.samples["x"]:
-        assert one.bar >= 4 * rounding * max(abs(s.value) for s in bowled.samples["x"])
-    for one in bowled.samples["slip"]:
-        assert one.bar >= 4 * rounding * BOWLED.start.slip
-    assert all(one.bar > 1e-17 for bars in bowled.samples.values() for one in bars)
-
-
 @pytest.mark.slow
 def test_a_bar_grows_where_the_motion_is_unstable():
     """Balanced on its tip, an ellipse moves away from rest by its eigenvalue: what a rounding of its angle makes of its
@@ -122,20 +85,6 @@ def test_a_bar_grows_where_the_motion_is_unstable():
 
 
 # --- witnesses --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
-def test_where_a_witness_cannot_run_the_truth_rests_on_the_others_and_says_so(monkeypatch):
-    # Whatever a case may hold all methods know: that one does not is a matter of its version.
-    monkeypatch.delattr("heyoka.atan")
-    vx = MOTION[4]
-    drag = Load(fx=-vx * sp.atan(7 * vx) / 3)
-    case = Case(line(), disc(0.1, 1.0), (*GROUND, drag), Start(0.0, slip=1.0), 0.2)
-    with pytest.raises(NotSupported, match="atan"):
-        simulate(case, method="taylor")
-    certificate = certify(case)
-    assert certificate.witnesses == ("dop853 1e-13", "contact frame 1e-13")
-    assert len(certificate.missing) == 3 and all("atan" in sentence for sentence in certificate.missing)
 
 
 def test_one_witness_alone_certifies_nothing(monkeypatch):
@@ -172,11 +121,6 @@ def test_witnesses_that_tell_different_times_are_named_with_them(monkeypatch):
     assert "roll at 0.33978933" in disagreeing(monkeypatch, late)
 
 
-def test_an_end_with_a_wider_bar_than_a_transition_may_have_makes_no_certificate(monkeypatch):
-    text = disagreeing(monkeypatch, lambda witness: witness._replace(end=witness.end + 2e-7))
-    assert "the end (completed) is known to 2e-07 s only, more than 1e-07 s" in text
-
-
 @pytest.mark.skipif(not taylor.AVAILABLE, reason="without heyoka no other witness has places")
 def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
     """A place that is known to a hundredth of the plate only."""
@@ -209,29 +153,6 @@ def test_a_second_contact_is_seen_by_both_formulations():
     first, second = simulate(case, rtol=1e-13), second_states.motion(case, rtol=1e-13)
     assert first.status == second.status == "second_contact"
     assert second.end == pytest.approx(first.t[-1], abs=1e-11)
-
-
-@pytest.mark.parametrize(
-    "label",
-    [
-        "disc_in_circle[mu=0.2]",
-        "nearly_conforming[gap=1e-06]",
-        "nearly_conforming[gap=1e-08]",
-        pytest.param("tightest_fit[gap=1e-06]", marks=pytest.mark.slow),
-        pytest.param("superellipse_on_hill", marks=pytest.mark.slow),
-    ],
-)
-def test_a_plate_that_fits_meets_its_track_nowhere_else(label):
-    case = cases.load(label)
-    assert second_states.motion(case).status == "completed"
-
-
-@pytest.mark.slow
-def test_a_scene_that_ends_in_a_second_contact_has_a_certificate():
-    certificate = certify(wide_disc())
-    assert certificate.status == "second_contact" and "contact frame 1e-13" in certificate.witnesses
-    assert certificate.end.bar < 1e-12
-    assert np.isclose(certificate.samples["x"][-1].value, 0.0, atol=1e-11)
 
 
 # --- python -m reference ----------------------------------------------------------------------------------------------
@@ -286,12 +207,3 @@ def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
         assert main(words, kept) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert kept.read_bytes() == before
-
-
-@pytest.mark.slow
-def test_two_processes_rebuild_what_one_does(tmp_path, bowled):
-    path = tmp_path / "truth.json"
-    truth_file.read.cache_clear()
-    assert main(["--only", "thrown_with_spin", "--jobs", "2"], path) == 0
-    assert len(statuses(path)) == len(cases.select("thrown_with_spin"))
-    truth_file.read.cache_clear()

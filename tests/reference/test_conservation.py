@@ -5,7 +5,6 @@ from math import pi
 import numpy as np
 import pytest
 
-import cases
 import reference
 from cases import Case, Curve, Gravity, Start, disc
 from cases import curves as c
@@ -50,21 +49,3 @@ def test_gap_and_tangency_stay_at_rounding(mu, method):
         assert abs(contact.gap) <= 1e-13
         # Where the gap is smallest the tangents are parallel; the parameters found there are the motion's own.
         assert abs(contact.xi1 - state.xi1) + abs(contact.xi2 - state.xi2) <= 1e-12
-
-
-@pytest.mark.parametrize("method", reference.METHODS)
-def test_friction_force_stays_inside_its_cone_and_against_the_slip(method):
-    for case in (cases.load("disc_in_circle", mu=0.2), eccentric(0.3)):
-        motion = reference.simulate(case, rtol=1e-10, method=method)
-        state = motion(np.linspace(0.0, motion.t[-1], 500))
-        mu = case.effects[1].mu
-        assert np.all(np.abs(state.friction_force) <= mu * state.normal_force + 1e-8)
-        assert np.all(state.friction_force * state.slip <= 1e-9)
-
-
-def test_energy_only_falls_with_friction():
-    case = eccentric(0.3)
-    motion = reference.simulate(case, rtol=1e-12)
-    energy = mechanical_energy(case, motion(np.linspace(0.0, motion.t[-1], 400)))
-    assert np.all(np.diff(energy) <= 1e-10)
-    assert energy[-1] < energy[0] - 0.1

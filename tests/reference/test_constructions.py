@@ -8,21 +8,7 @@ import sympy as sp
 from scipy.special import ellipeinc, ellipkinc, erf, fresnel
 
 import reference
-from cases import (
-    BadCurve,
-    BadValue,
-    Case,
-    CoulombFriction,
-    Curve,
-    Flight,
-    Gravity,
-    Impact,
-    NotSupported,
-    Plate,
-    Start,
-    Unilateral,
-    disc,
-)
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, NotSupported, Plate, Start, Unilateral, disc
 from cases.constructions import natural, piecewise, polar
 from cases.curves import cos, exp, integral, sin
 from cases.library import line
@@ -30,7 +16,6 @@ from tests.scenes import second as second_states
 
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 AIR = (*GRIP, Flight(), Impact(0.3))
-LEVEL, U = Curve(("s", "0.0"), (0, 1)), sp.Symbol("u")
 
 
 def agree(case, bound=1e-11):
@@ -77,42 +62,6 @@ def test_a_curve_by_its_curvature_has_it():
     assert curve.point(0.0) == pytest.approx([1.0, 2.0])
     circle = natural(lambda s: 4.0 + 0 * s, length=float(np.pi / 2))
     assert circle.point(circle.domain[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
-
-
-@pytest.mark.slow
-def test_a_track_that_crosses_itself_is_a_second_contact_where_the_plate_meets_it():
-    """A coaster's loop, by a curvature whose integral is one turn: the disc meets the way out before the loop."""
-    bend = 2 * float(np.pi) ** 0.5
-    with pytest.raises(BadCurve, match="crosses itself near .* allow it with may_cross=True"):
-        natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=-0.4)
-    loop = natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=-0.4, may_cross=True)
-    rolls = (Gravity(9.81), CoulombFriction(0.8), Unilateral())
-    motion = agree(Case(loop, disc(0.05, 1.0), rolls, Start(0.5), 3.0), 1e-9)
-    assert motion.status == "second_contact"
-    turned = natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=1.2, may_cross=True)
-    inside = Case(turned, disc(0.05, 1.0), rolls, Start(4.3), 1.0)
-    assert agree(inside, 1e-9).status == "completed"  # it rocks in the loop, away from the crossing
-
-
-def on_a_clothoid() -> Case:
-    return Case(natural(lambda s: 0.8 * s, length=3.0, angle=-0.9), disc(0.1, 1.0), AIR, Start(xi1=0.1), 2.0)
-
-
-@pytest.mark.slow
-def test_both_formulations_agree_on_a_clothoid():
-    assert agree(on_a_clothoid()).transitions
-
-
-@pytest.mark.slow
-def test_a_disc_on_a_clothoid_moves_as_on_its_spline():
-    case = on_a_clothoid()
-    clothoid, motion = case.track, reference.simulate(case, rtol=1e-12)
-    assert len(motion.transitions) == 2
-    s = np.linspace(0.0, 3.0, 200)
-    spline = Curve.spline(clothoid.point(s).T)
-    near = float(np.interp(0.1, s, np.insert(np.cumsum(np.hypot(*np.diff(clothoid.point(s), axis=1))), 0, 0.0)))
-    other = reference.simulate(Case(spline, disc(0.1, 1.0), AIR, Start(xi1=near), 2.0), rtol=1e-12)
-    assert [t.time for t in other.transitions] == pytest.approx([t.time for t in motion.transitions], abs=1e-6)
 
 
 def test_an_outline_by_integrals_is_simulated_by_dop853():
@@ -168,56 +117,3 @@ def test_a_disc_rolls_onto_an_arc_where_the_curvature_jumps():
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["rising", "falling"])
 def test_both_formulations_agree_where_pieces_join(start, sign):
     agree(Case(ramp_and_arc(sign=sign), disc(0.1, 1.0), AIR, start, 1.2))
-
-
-def oval(r, a, b):
-    """Four arcs: of radius r about (±a, 0), and about (0, ±b) of the radius that joins them."""
-    large, first = r + float(np.hypot(a, b)), float(np.arctan2(b, a))
-
-    def arc(x, y, radius, start, end):
-        return Curve(lambda s: (x + radius * cos(s), y + radius * sin(s)), (start, end))
-
-    return piecewise([
-        arc(a, 0.0, r, -first, first), arc(0.0, -b, large, first, np.pi - first),
-        arc(-a, 0.0, r, np.pi - first, np.pi + first), arc(0.0, b, large, np.pi + first, 2 * np.pi - first),
-    ])  # fmt: skip
-
-
-@pytest.mark.slow
-def test_a_closed_curve_of_pieces_is_rolled_through_again():
-    """Without gravity a disc in an oval rolls round and round with the speed of its start."""
-    track = oval(0.5, 0.6, 0.8)
-    assert track.period == pytest.approx(2 * np.pi, rel=1e-15)  # its parameter is the polar angle of each arc
-    case = Case(track, disc(0.1, 1.0), (CoulombFriction(0.5), Unilateral()), Start(0.0, omega=-40.0), 5.0)
-    motion = agree(case)
-    assert motion.status == "completed" and not motion.transitions and motion(5.0).xi1 > 3 * track.period
-    assert np.hypot(motion(5.0).vx, motion(5.0).vy) == pytest.approx(4.0, rel=1e-12)
-
-
-@pytest.mark.slow
-def test_a_plate_of_pieces_rocks():
-    plate = Plate.homogeneous(oval(0.05, 0.06, 0.08), mass=1.0)
-    aside = Curve.in_pieces(oval(0.05, 0.06, 0.08).parts.translate(0.7, -0.2))
-    centred = Plate.homogeneous(aside, mass=1.0)  # moved back to its centre of mass
-    assert centred.inertia == pytest.approx(plate.inertia, rel=1e-12)
-    assert np.abs(centred.outline.point(1.0) - plate.outline.point(1.0)).max() < 1e-14
-    case = Case(line(0.0), plate, (Gravity(9.81), CoulombFriction(0.8), Unilateral()), Start(0.0, 1.6 * np.pi), 2.0)
-    motion = agree(case, 1e-10)
-    assert motion.status == "completed" and motion(2.0).xi1 != 0.0
-
-
-@pytest.mark.parametrize(
-    "error, message, make",
-    [
-        (BadCurve, "corner of 0.785", lambda: piecewise([LEVEL, Curve(("1 + s", "s"), (0, 1))])),
-        (BadCurve, "ends 0.2 m from", lambda: piecewise([LEVEL, Curve(("s", "0.0"), (1.2, 2))])),
-        (BadValue, "give at least two", lambda: piecewise([LEVEL])),
-        (BadValue, "curve 2 is not one formula", lambda: piecewise([LEVEL, Curve(("s", "s**2"))])),
-        (BadValue, "curves of piecewise is 'xy'; give a tuple", lambda: piecewise("xy")),
-        (BadCurve, "lower is a number", lambda: Curve(lambda s: (s, sp.Integral(U, (U, s, 1))), (0, 1))),
-        (BadCurve, "use u1 alone", lambda: Curve(lambda s: (s, integral(lambda u: u * s, s)), (0, 1))),
-    ],
-)  # fmt: skip
-def test_what_does_not_join_or_integrate_is_rejected(error, message, make):
-    with pytest.raises(error, match=message):
-        make()

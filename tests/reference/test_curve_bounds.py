@@ -36,20 +36,3 @@ def test_no_curvature_or_speed_is_beyond_its_bounds(name):
         rounding = 1e-9 * (1.0 + np.abs(bend).max())
         assert bend.max() <= most[i] + rounding and bend.min() >= least[i] - rounding, (a, wide)
         assert fast.max() <= speed[i] * (1.0 + 1e-9), (a, wide)
-
-
-def test_short_ranges_have_narrow_bounds():
-    curve = CURVES["even ripples"]()
-    most, least, _ = CurveBounds(curve).extremes(np.array([0.1]), np.array([0.1 + 1e-7]))
-    assert most[0] - least[0] < 1.0  # of 95 1/m
-
-
-@pytest.mark.parametrize("name", ["even ripples", "lobes"])
-def test_bounds_over_ripples_are_a_tenth_wide(name):
-    """They were half as wide again: a disc that fits its ripples everywhere was searched for second contacts in each
-    step (flight 1439: 35 s of CPU time, now 3 s)."""
-    curve = CURVES[name]()
-    low, high = curve.span
-    bend = np.asarray(curve.curvature(np.linspace(low, high, 400_001)))
-    most, least, _ = CurveBounds(curve).extremes(np.array([low]), np.array([high]))
-    assert max(most[0] - bend.max(), bend.min() - least[0]) < 0.06 * np.ptp(bend)

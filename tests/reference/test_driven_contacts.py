@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import cases
 import reference
 from cases import (
     Case,
@@ -17,7 +16,6 @@ from cases import (
     Flight,
     Gravity,
     Impact,
-    Load,
     PerfectlyRough,
     Plate,
     Start,
@@ -27,11 +25,10 @@ from cases import (
     disc,
 )
 from cases.library import line
-from cases.moving_frame import relative_case
 from reference.certification.witnesses import _by_second
 from reports.judging.residuals import energy_residual
 from tests.scenes.agreement import agree
-from tests.scenes.supports import compare_with_matrix, events, slow
+from tests.scenes.supports import slow
 
 G = 9.81
 EFFECTS = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -80,28 +77,6 @@ def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderne
     assert motion.transitions[0].contact == "plate/track 2"
 
 
-@pytest.mark.sampled(2)
-@METHODS
-def test_a_rest_ends_where_a_load_grows_too_large(method):
-    """The same without a drive: the second formulation rested at that instant again and again."""
-    motion = motion_by(box(0.1, 0.4, 0.9, Load(fx="4*sin(12*t)"), duration=0.2), method)
-    assert motion.transitions[0].time == pytest.approx(asin(G / 16.0) / 12.0, abs=END_OF_REST)
-    assert len(motion.transitions) == 1 and motion.status == "completed"
-
-
-@pytest.mark.slow
-def test_a_shaken_table_is_an_inertial_load_in_its_frame():
-    drive, load = Drive(x="-4/144*sin(12*t)", y="0.01*sin(7*t)"), Load(fx="-4*sin(12*t)", fy="0.49*sin(7*t)")
-    shaken, still = (reference.simulate(box(0.1, 0.4, 0.3, one, duration=1.2)) for one in (drive, load))
-    assert events(shaken) == events(still) and len(events(shaken)) > 4
-    times = np.array([[event.time for event in motion.transitions] for motion in (shaken, still)])
-    assert np.ptp(times, axis=0).max() < 1e-12
-    t = np.linspace(0.0, 1.2, 50)
-    at, fixed = drive.at_times(t), shaken(t)
-    assert fixed.x - at.x == pytest.approx(still(t).x, abs=1e-11)
-    assert fixed.vy - at.vy == pytest.approx(still(t).vy, abs=1e-10)
-
-
 def shaken(seed: int) -> Case:
     """A box, a triangle, or a disc in a valley, on a track that is shaken and tilted to and fro."""
     random = np.random.default_rng(seed)
@@ -121,11 +96,6 @@ def shaken(seed: int) -> Case:
 
 def test_both_formulations_agree_on_a_track_that_shakes_and_tilts():
     agree(shaken(0))
-
-
-@pytest.mark.slow
-def test_the_papers_matrix_gives_the_same_accelerations_and_forces():
-    assert sum(map(len, compare_with_matrix([relative_case(shaken(0)), relative_case(shaken(3))]))) >= 4
 
 
 @pytest.mark.sampled(2, first=1)
@@ -157,24 +127,3 @@ def test_a_disc_leaves_one_side_of_a_v_that_is_driven_too_hard(method):
     first = motion_by(case, method).transitions[0]
     assert first.time == pytest.approx(G * tan(pi / 6) / 12.0, abs=END_OF_REST)
     assert first.after.value == "flight" and first.contact == "plate/right"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "drive",
-    [
-        Drive(x="0.05*sin(9*t)", y="0.02*sin(7*t)", angle="0.2*sin(5*t)"),
-        Drive(x="0.03*sin(14*t)"),
-        Drive(angle="0.3*sin(12*t)"),
-        Drive(y="0.04*sin(17*t)", angle="0.1*sin(8*t)"),
-    ],
-)
-def test_both_formulations_agree_where_supports_move_with_the_track(drive):
-    assert len(agree(in_v(drive)).transitions) >= 2
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize(("change", "ratio"), [({}, 0.2), (dict(mu=0.8, width=0.075), 0.075 / 0.2)])
-def test_the_box_of_the_catalogue_rests_until_its_known_time(change, ratio):
-    motion = reference.simulate(cases.load("box_on_shaken_table", **change))
-    assert motion.transitions[0].time == pytest.approx(asin(ratio * G / (0.05 * 81.0)) / 9.0, abs=1e-12)

@@ -1,7 +1,7 @@
 """Driven tracks: exact values, agreement of three derivations, work, frames, and wrong input."""
 
 from dataclasses import replace
-from math import asin, inf, sin
+from math import asin, sin
 
 import numpy as np
 import pytest
@@ -10,15 +10,10 @@ from scipy.integrate import solve_ivp
 import cases
 import reference
 from cases import (
-    BadValue,
-    Belt,
     Case,
     CoulombFriction,
-    DoesNotFit,
     Drive,
-    Flight,
     Gravity,
-    Impact,
     Load,
     Mode,
     RollingResistance,
@@ -86,47 +81,12 @@ def test_resistance_keeps_a_sliding_disc_from_turning_on_a_table_that_swings(met
     assert motion(0.4).omega == pytest.approx(a * w * np.cos(w * 0.4), abs=1e-10)
 
 
-@pytest.mark.sampled(3)
-@METHODS
-def test_rotation_that_reverses_where_nothing_moves_makes_no_slip(method):
-    """Random scene 76 of driven tracks, seed 1: relative to the track the plate stands still for an instant. Rounding
-    in its slip, 1e-33 m/s, counted as slip there, and each reversal had 28 changes between rolling and slip."""
-    drive = Drive(x="-0.083*sin(6.42*t)", y="-0.023*cos(11.26*t)", angle="-0.114*t")
-    load, plate = Load(fx="-0.44*vx - 0.93*sin(3*t)"), disc(0.16319213396127022, 1.0)
-    friction = CoulombFriction(0.6165900924855644)
-    effects = (Gravity(G), friction, load, RollingResistance(0.005), drive)
-    case = Case(line(), plate, effects, Start(-0.6776704291962661, omega=-0.9455814871707497), 1.5)
-    assert not reference.simulate(case, rtol=1e-13, method=method).transitions
-
-
-def test_bowl_that_swings_about_its_centre_is_a_belt():
-    """A circle turned about its centre is the same circle; its surface runs with R α̇."""
-    swung = cases.load("disc_in_swinging_bowl")
-    kept = tuple(e for e in swung.effects if not isinstance(e, Drive))
-    belt = replace(swung, effects=(*kept, Belt("0.4*3.0*cos(3.0*t)")))
-    there, here = reference.simulate(swung, rtol=1e-13), reference.simulate(belt, rtol=1e-13)
-    assert [t.after for t in there.transitions] == [t.after for t in here.transitions]
-    assert [t.time for t in there.transitions] == pytest.approx([t.time for t in here.transitions], abs=1e-11)
-    times = np.linspace(0.0, 3.0, 40)
-    for name in ("x", "y", "vx", "vy", "omega", "slip", "normal_force", "friction_force"):
-        assert getattr(there(times), name) == pytest.approx(getattr(here(times), name), abs=1e-9)
-
-
 def test_shaken_track_is_an_inertial_load():
     driven = on_line(Drive(x="0.05*sin(12*t)"))
     loaded = replace(driven, effects=(*driven.effects[:3], Load(fx="1.0*0.05*144*sin(12*t)")))
     there, here = (reference.simulate(case, rtol=1e-13) for case in (driven, loaded))
     assert [t.time for t in there.transitions] == pytest.approx([t.time for t in here.transitions], abs=EXACT)
     assert there(1.9).x - 0.05 * sin(12 * 1.9) == pytest.approx(here(1.9).x, abs=EXACT)
-
-
-def test_track_that_drops_away_leaves_a_plate_in_free_fall():
-    """A plate without rotation on a track that accelerates upwards and then stops flies as thrown."""
-    case = on_line(Drive(y="0.5*4*t**2"), Flight(), Impact(0.0), duration=1.0)
-    motion = reference.simulate(case, rtol=1e-13)
-    assert not motion.transitions
-    assert motion(1.0).vy == pytest.approx(4.0, abs=EXACT)
-    assert motion(0.5).normal_force == pytest.approx(M * (G + 4.0), abs=10 * EXACT)
 
 
 def test_ball_on_the_moving_plane_of_siconos():
@@ -198,65 +158,3 @@ def test_a_pose_on_a_track_that_moves_has_the_velocities_of_the_fixed_frame(meth
         (1.0, 0.7 + R, 0.0, 0.0, 0.0), abs=1e-15
     )
     assert (last.vx, last.omega * R) == pytest.approx((v / 3.0, 2.0 * v / 3.0), abs=EXACT)
-
-
-@pytest.mark.parametrize("surface", [(), (Belt("1.5 + t"),)])
-def test_a_pose_is_that_of_the_fixed_frame_on_a_track_that_turns(surface):
-    drive = Drive(x="0.3 - 2*t", y="0.1 + sin(3*t)", angle="0.4 + 5*t")
-    effects = (Gravity(G), CoulombFriction(0.2), Unilateral(), Flight(), Impact(0.0), drive, *surface)
-    pose = StartPose(0.2, 1.1, 2.5, 0.7, -1.2, 3.0)
-    begin = contact.start_motion(Case(line(), disc(R, M), effects, pose, 1.0))
-    given = pose.x, pose.y, pose.theta, pose.vx, pose.vy, pose.omega
-    assert (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega) == pytest.approx(given, abs=1e-14)
-
-
-def test_a_pose_that_moves_with_its_track_has_no_velocity_relative_to_it():
-    # 0.1·3 and the like are rounded: a rest of 1e-17 m/s was a velocity away from the track, which needs Flight.
-    drive = Drive(x="0.3*sin(0.7*t)", y="0.1*sin(3*t)")
-    pose = StartPose(0.0, R, vx=0.3 * 0.7, vy=0.1 * 3.0 * (1.0 + 2e-16))
-    start = Case(line(), disc(R, M), (Gravity(G), CoulombFriction(0.2), drive), pose, 1.0).start
-    assert (start.slip, start.gap, start.gap_rate) == (0.0, 0.0, 0.0)
-
-
-def test_motion_file_of_a_driven_track_is_read_back(tmp_path):
-    from adapters.common import motion_file, motion_table
-
-    case = cases.load("disc_in_swinging_bowl")
-    motion = reference.simulate(case)
-    path = motion.to_csv(tmp_path / "motion.csv", 600)
-    again = motion_file.trajectory_of(case, motion_table.read(path))
-    exact = motion(again.t)
-    assert again.slip == pytest.approx(exact.slip, abs=1e-6)
-    assert again.xi1 == pytest.approx(exact.xi1, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "error", "sentence"),
-    [
-        (lambda: Drive(), BadValue, "leave Drive out"),
-        (lambda: Drive(x=1.0), BadValue, "leave Drive out"),
-        (lambda: Drive(x="v"), BadValue, "use t"),
-        (lambda: on_line(Drive(x="1/t")), BadValue, "at t = 0"),
-        (
-            lambda: Case(line(), disc(R, M), (Gravity(G), Drive(x="1/t")), StartPose(0.0, R), 1.0),
-            BadValue,
-            "formulas that have values at t = 0",
-        ),
-    ],
-)
-def test_wrong_drives_are_rejected_with_what_to_give(wrong, error, sentence):
-    with pytest.raises(error, match=sentence):
-        wrong()
-
-
-def test_plate_that_does_not_turn_rejects_a_track_that_does():
-    effects = (Gravity(G), CoulombFriction(0.2), Drive(angle="0.1*t"))
-    with pytest.raises(DoesNotFit, match="leave angle of Drive out"):
-        Case(line(), disc(R, M, inf), effects, Start(0.0), 1.0)
-
-
-def test_block_on_a_shaken_table_slips_where_the_acceleration_exceeds_mu_g():
-    effects = (Gravity(G), CoulombFriction(0.3), Unilateral(), Drive(x="0.05*sin(12*t)"))
-    motion = reference.simulate(Case(line(), disc(R, M, inf), effects, Start(0.0), 1.0), rtol=1e-13)
-    assert motion.transitions[0].time == pytest.approx(asin(0.3 * G / (0.05 * 144)) / 12, abs=EXACT)
-    assert motion.transitions[0].before is Mode.REST

@@ -10,10 +10,8 @@ from scipy.optimize import brentq
 import cases
 import reference
 from cases import (
-    BadValue,
     Case,
     CoulombFriction,
-    DoesNotFit,
     Drive,
     Flight,
     Gravity,
@@ -23,13 +21,12 @@ from cases import (
     NotSupported,
     PerfectlyRough,
     Plate,
-    RollingResistance,
     Start,
     StartPose,
     Unilateral,
     disc,
 )
-from cases.library import circle, cosine, ellipse, hill, line
+from cases.library import circle, cosine, line
 from reference.paper.augmented import fill
 from tests.scenes.moving import EXACT, METHODS, G
 
@@ -83,14 +80,6 @@ def test_slider_on_a_spring_loses_the_same_amplitude_in_every_half_swing(method)
     assert abs(place) <= centre
 
 
-def test_particle_leaves_a_cylinder_at_two_thirds_of_its_height():
-    """cos φ = 2/3, as for a particle on the path of its centre."""
-    case = Case(hill(1.0), disc(0.1, 1.0, inf), (Gravity(G), Unilateral()), Start(1e-3), 3.0)
-    motion = reference.simulate(case, rtol=1e-13)
-    assert motion.status == "lift_off"
-    assert motion.y[-1] / 1.1 == pytest.approx(2 / 3 * cos(1e-3), abs=EXACT)
-
-
 def test_stick_slip_on_a_belt_has_its_closed_period():
     """It sticks until k x = μ_s m g; the slip x = c + a cos φ, c = μ m g/k, ends when its speed is again the belt's."""
     speed, k, mu, static = 0.2, 40.0, 0.2, 0.4
@@ -125,20 +114,6 @@ def test_matrix_loses_the_row_and_column_of_the_rotation():
     state = (-1.0, -1.0, 1.0 / 0.9, 1.0 / 0.9 * 1.0)
     assert fill(case, Mode.SLIP_FORWARD, state).matrix.shape == (5, 5)
     assert fill(case, Mode.REST, state).matrix.shape == (6, 6)
-
-
-def test_wrong_plates_are_rejected_with_what_to_give():
-    with pytest.raises(BadValue, match="give omega=0"):
-        block(line(), CoulombFriction(0.1), omega=1.0)
-    with pytest.raises(DoesNotFit, match="leave RollingResistance out"):
-        block(line(), CoulombFriction(0.1), RollingResistance(0.01))
-    with pytest.raises(BadValue, match="inertia of the plate"):
-        Plate(ellipse(0.1, 0.05), 1.0, -inf)
-
-
-def test_sweep_simulates_them_one_by_one():
-    rows = reference.sweep("block_on_ramp", mu=[0.2, 0.4])
-    assert list(rows["first_time"]) == pytest.approx([1 / (0.2 * G), 1 / (0.4 * G)], abs=EXACT)
 
 
 def test_a_valley_of_waves_holds_a_block_on_its_slopes():

@@ -1,19 +1,15 @@
 """A plate of infinite inertia with several contacts: exact forces and motions, two formulations, the paper's matrix."""
 
-from dataclasses import replace
 from itertools import product
 from math import asin, cos, inf, pi, sin
 
 import numpy as np
 import pytest
 
-import adapters
 import reference
-from adapters import lookup
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, Mode, StartPose, Support, Unilateral, disc
 from cases.library import line
-from cases.motion.mechanics import energy
-from tests.scenes.supports import compare_with_matrix, events, simulated
+from tests.scenes.supports import events, simulated
 
 from .test_belts_and_supports import METHODS, motion_by
 
@@ -84,17 +80,6 @@ def test_a_load_pulls_it_from_the_wall_where_it_exceeds_friction(method):
     assert [t.time for t in motion.transitions] == pytest.approx([asin((3.0 + 0.2 * G) / 8.0) / 4.0] * 2, abs=within)
 
 
-def test_two_belts_that_slip_give_unique_forces():
-    """The floor's belt pushes to the wall, the wall's belt up: N₂ = μ₁ N₁ and N₁ = m g − μ₂ N₂, if that runs down."""
-    for sense in (1.0, -1.0):
-        case = between_floor_and_wall(CoulombFriction(0.2), Belt(-1.0), belt=(Belt(sense),))
-        motion = simulated(case)
-        assert not motion.transitions
-        exact = G / (1.0 - sense * 0.2 * 0.3)
-        assert columns(motion, "track", 0.5).normal_force == pytest.approx(exact, rel=1e-12)
-        assert columns(motion, "wall", 0.5).normal_force == pytest.approx(0.2 * exact, rel=1e-12)
-
-
 # --- impacts ----------------------------------------------------------------------------------------------------------
 
 
@@ -115,29 +100,6 @@ def test_a_plate_slides_down_one_plane_and_up_the_other(method):
     assert times == pytest.approx([hits, hits, tops], abs=1e-12)
 
 
-def test_it_moves_as_a_disc_without_friction():
-    """Nothing turns a disc of any inertia there."""
-    still = simulated(replace(in_v(lift=0.6), duration=2.0))
-    turns = simulated(replace(in_v(lift=0.6), plate=disc(R, 1.0), duration=2.0))
-    assert len(still.transitions) >= 4 and events(still) == events(turns)
-    assert [t.time for t in still.transitions] == pytest.approx([t.time for t in turns.transitions], abs=1e-12)
-
-
-def test_the_energy_closes_with_the_work_of_friction_and_load():
-    load = Load(fx="8*sin(4*t) - 3")
-    case = between_floor_and_wall(CoulombFriction(0.2), load, end=0.8)
-    motion = simulated(case)
-    moves = motion.t >= motion.transitions[0].time
-    assert moves.any() and motion.transitions
-    late = motion.t[moves]
-    times = np.linspace(late[0], late[-1], 4001)
-    state, floor = motion(times), columns(motion, "track", *times)
-    power = state.vx * (8.0 * np.sin(4.0 * times) - 3.0) + floor.slip * floor.friction_force
-    gain = energy(case, motion(float(late[-1]))) - energy(case, motion(float(late[0])))
-    simpson = np.sum((power[:-2:2] + 4.0 * power[1:-1:2] + power[2::2]) * (times[1] - times[0]) / 3.0)
-    assert gain == pytest.approx(simpson, abs=1e-10)
-
-
 # --- both formulations, the paper's matrix, and engines ---------------------------------------------------------------
 
 
@@ -147,23 +109,3 @@ def test_a_slip_vanishes_where_a_belt_turns_under_a_plate_that_is_still():
     case = between_floor_and_wall(CoulombFriction(0.1), Belt("0.48*sin(7.4*t)"), belt=(Belt(1.3),))
     motion = reference.simulate(case, rtol=1e-10, method="dop853")
     assert (motion.status, len(motion.transitions)) == ("completed", 2)
-
-
-def test_the_papers_matrix_gives_the_same_accelerations_and_forces():
-    belts = between_floor_and_wall(CoulombFriction(0.2), Belt(-1.0), belt=(Belt(1.0),))
-    modes = compare_with_matrix((in_v(), belts, in_v(0.1, 0.2, 0.8)))
-    assert max(map(len, modes)) == 2 and len(modes) >= 4
-
-
-def test_engines_model_it_or_reject_it_in_one_sentence():
-    case, count = in_v(0.1, 0.2), 0
-    for name in lookup.engines():
-        try:
-            module = lookup.engine(name)
-        except Exception:  # not installed here
-            continue
-        for route in module.routes:
-            reason = adapters.refusal(module, case, route)
-            assert reason is None or reason.endswith(".") and "\n" not in reason
-            count += reason is not None
-    assert count

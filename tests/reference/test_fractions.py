@@ -1,12 +1,10 @@
 """Ordinary fractions in curves and loads: every integrator takes them, in every precision."""
 
-import numpy as np
 import pytest
 import sympy as sp
 
-from cases import Case, CoulombFriction, Curve, DoesNotFit, Gravity, Load, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
 from cases import curves as c
-from cases.formulas.expression_graph import from_sympy, symbol
 from cases.library import line, superellipse
 from reference import simulate
 from reference.minimal.integrators import taylor
@@ -52,41 +50,3 @@ def test_fractions_in_curves_and_loads_move_alike_by_both_integrators(case):
     for quantity in ("x", "y", "theta", "omega"):
         end, other = getattr(ours, quantity)[-1], getattr(theirs, quantity)[-1]
         assert end == pytest.approx(other, abs=3e-12), quantity
-
-
-@pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
-def test_fractions_move_in_quadruple_precision():
-    case = SCENES["a third of a square"]
-    fine, usual = simulate(case, method="taylor_quadruple"), simulate(case, rtol=1e-14, method="taylor")
-    assert fine.x[-1] == pytest.approx(usual.x[-1], abs=1e-14)
-
-
-@pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
-@pytest.mark.parametrize(
-    ("text", "exact"),
-    [
-        ("x/3", "8/3"),
-        ("x**(1/3)", "2"),
-        ("x**(-5/3)", "1/32"),
-        ("(1 + x/7)**(2/3)/9", "(15/7)**(2/3)/9"),
-        ("sqrt(2)*x", "8*sqrt(2)"),
-        ("exp(1)*x*pi", "8*exp(1)*pi"),
-        ("x*2**(1/3)*cos(1/7)", "8*2**(1/3)*cos(1/7)"),
-    ],
-)
-def test_fractions_keep_all_digits_of_quadruple_precision(text, exact):
-    import heyoka as hy
-
-    from reference.minimal.integrators import conversion
-
-    variable = hy.expression("x")
-    formula = conversion.convert([from_sympy(sp.sympify(text))], {symbol("x"): variable})
-    function = hy.cfunc(formula, [variable], fp_type=hy.real128)
-    (value,) = function(np.array([hy.real128(8)]))
-    # Quadruple precision has a rounding of 2e-34; a constant held in double precision would be off by 1e-17.
-    assert abs(sp.Float(str(value), 40) / sp.N(sp.sympify(exact), 40) - 1) < 1e-32
-
-
-def test_a_flat_point_on_a_straight_line_is_refused_in_a_sentence():
-    with pytest.raises(DoesNotFit, match="does not fit its track"):
-        Case(line(), Plate(superellipse(0.2, 0.1, 6), 1.0, 0.01), GROUND, Start(xi1=0.0), 1.0)

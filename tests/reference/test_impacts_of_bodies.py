@@ -57,13 +57,6 @@ def test_three_discs_that_touch_part_otherwise(law):
     assert (after.sum(), after @ after) == pytest.approx((1.0, 1.0), abs=1e-12)
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.4])
-def test_an_impact_of_two_discs_is_central(restitution):
-    """v₁ = (1 − e)/2, v₂ = (1 + e)/2 for equal masses; the energy falls by (1 − e²)/4."""
-    after = cradle((1.0, 0.0), [(0, 1)], restitution)[:, 0]
-    assert after == pytest.approx([0.5 * (1.0 - restitution), 0.5 * (1.0 + restitution)], abs=1e-14)
-
-
 def _compare_impacts(seeds) -> dict[str, int]:
     """Random impacts of a disc on a disc on the floor, with friction and two restitutions, by Moreau's law: enumeration
     and the complementarity problem. Returns how many have one solution, and how many of these stick or open somewhere.

@@ -8,12 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib import pyplot as plt
 
 from reference.errata import errata
 from reference.paper.equation_list import LINES
-from reports.running.calls import Calls
-from reports.studies import Request
 from tests.benchmarks import paper as study
 
 PAGE = (Path(__file__).parent.parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
@@ -79,20 +76,3 @@ def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
         assert abs(paper["v"][-1]) < 1e-9 and np.all(paper["v"][1:-1] > 0.0)
         # (35): ξ₂ = ξ₁ − θ, along the whole motion.
         assert whole["xi2"] - whole["xi2"][0] == pytest.approx(whole["xi1"] - whole["theta"], abs=1e-9)
-
-
-@pytest.mark.slow
-def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
-    figure = study.diagrams(study.measure())
-    titles = " ".join(ax.get_title() for ax in figure.axes)
-    assert re.findall(r"figure (\d+),", titles) == [str(n) for n in range(3, 13)]
-    plt.close(figure)
-
-
-@pytest.mark.slow  # its tables, and the paper's diagrams, are made by the quick tests above
-def test_section_has_its_tables_and_pictures(tmp_path):
-    with Calls(jobs=1) as calls:
-        found = study.run(Request(), calls)
-    assert set(study.rows(found)) == {"paper_equations", "paper_claims", "paper_remark", "errata"}
-    assert {drawn.name for drawn in study.draw(found, tmp_path)} == {"paper_diagrams", "paper_remark"}
-    assert {path.stem for path in tmp_path.glob("*.svg")} == {"paper_diagrams", "paper_remark"}

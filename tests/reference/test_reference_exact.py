@@ -1,7 +1,5 @@
 """The reference against exact values."""
 
-from math import atan, cos, pi, sin
-
 import numpy as np
 import pytest
 
@@ -51,26 +49,6 @@ def test_bowling_disc_rolls_after_v0_over_three_mu_g(mu, v0, method, accuracy):
     assert motion(case.duration).vx == pytest.approx(2 * v0 / 3, rel=1e-12)
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.1, 0.5])
-def test_disc_rolls_down_an_incline_up_to_tan_equal_three_mu_and_slips_beyond(mu):
-    for slope, mode in ((atan(3 * mu) - 1e-6, Mode.ROLL), (atan(3 * mu) + 1e-6, Mode.SLIP_FORWARD)):
-        motion = reference.simulate(cases.load("disc_on_incline", slope=slope, mu=mu))
-        acceleration = 9.81 * (2 / 3 * sin(slope) if mode is Mode.ROLL else sin(slope) - mu * cos(slope))
-        assert motion.first_mode is mode
-        assert motion.transitions == ()
-        assert np.hypot(motion.vx[-1], motion.vy[-1]) == pytest.approx(acceleration * motion.t[-1], rel=1e-11)
-
-
-def test_the_same_disc_let_go_on_the_other_side_gives_the_mirror_motion():
-    for mu in (0.01, 0.2):
-        one = reference.simulate(cases.load("disc_in_circle", mu=mu), rtol=1e-12)
-        other = reference.simulate(cases.load("disc_in_circle", mu=mu, xi1=pi), rtol=1e-12)
-        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in one.transitions], abs=1e-10)
-        t = np.linspace(0, 2.5, 50)
-        assert other(t).x == pytest.approx(-one(t).x, abs=1e-9)
-        assert other(t).theta == pytest.approx(-one(t).theta, abs=1e-9)
-
-
 def test_error_falls_with_the_tolerance_at_the_order_of_the_method():
     time = FIRST_TRANSITION[0.2][0]
     case = cases.load("disc_in_circle", mu=0.2)
@@ -79,17 +57,3 @@ def test_error_falls_with_the_tolerance_at_the_order_of_the_method():
     # Errors proportional to the tolerance: a method of its nominal order under step-size control.
     slope = np.polyfit(np.log10(tolerances), np.log10(np.maximum(errors, 1e-16)), 1)[0]
     assert 0.75 < slope < 1.3
-
-
-def test_lift_off_from_the_top_of_a_circle_happens_at_cosine_two_thirds_without_friction():
-    from cases import Case, Curve, Gravity, Start, Unilateral, disc
-    from cases import curves as c
-
-    hill = Curve(lambda s: (c.sin(s), c.cos(s)), domain=(-3.0, 3.0))
-    # Started at a height where energy is known: 0.1 rad from the top with the speed of a slide from rest at the top.
-    start = 0.1
-    speed = (2 * 9.81 * 1.1 * (1 - cos(start))) ** 0.5
-    case = Case(hill, disc(0.1, 1.0), (Gravity(9.81), Unilateral()), Start(start, slip=speed), 5.0)
-    motion = reference.simulate(case, rtol=1e-13)
-    assert motion.status == "lift_off"
-    assert cos(motion.transitions[-1].xi1) == pytest.approx(2 / 3, abs=1e-12)

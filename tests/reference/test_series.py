@@ -1,7 +1,5 @@
 """Taylor series with bounds on their rounding."""
 
-import math
-
 import mpmath
 import pytest
 from hypothesis import given, settings
@@ -35,20 +33,6 @@ def test_coefficients_agree_with_high_precision_derivatives_within_their_own_bou
             # Numerical differentiation at 50 digits is exact to far below double rounding.
             assert abs(mpmath.mpf(result.c[k]) - exact[k]) <= result.e[k] + mpmath.mpf(10) ** -20
             assert result.e[k] <= 1e-12 * (1 + abs(result.c[k])) * 10**k
-
-
-def test_a_motion_is_expanded_order_by_order():
-    def pendulum(_, y):
-        return [y[1], -series.sin(y[0])]
-
-    angle = series.along(pendulum, [0.5, 0.0], [0.0, 0.0], 4)[0]
-    s, c = math.sin(0.5), math.cos(0.5)
-    assert angle.c == pytest.approx([0.5, 0.0, -s / 2, 0.0, s * c / 24], abs=1e-15)
-
-
-def test_leading_sign_ignores_what_is_below_its_error():
-    assert Series([1e-18, -2.0], [1e-16, 1e-15]).leading() == (-1, 1)
-    assert Series([0.0, 0.0], [0.0, 0.0]).leading() == (0, 2)
 
 
 @pytest.mark.sampled(4, first=2)

@@ -1,6 +1,5 @@
 """A plate with several contacts: exact motions, and agreement of two formulations that share no code."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import cos, radians, sin, sqrt, tan
 
@@ -13,13 +12,11 @@ from cases import (
     Case,
     CoulombFriction,
     Curve,
-    DoesNotFit,
     Flight,
     Gravity,
     Impact,
     Load,
     Mode,
-    Plate,
     Start,
     StartPose,
     Support,
@@ -32,14 +29,10 @@ from cases.library import line
 from cases.motion.mechanics import energy
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
-from reference.paper.bodies import BodyContact, solve_bodies
-from reference.solver.decide import GroupModes
 from reference.witness import complementarity
-from reference.witness.contacts import PlateDynamics, frictions, open_pair_at, pair_at
-from reference.witness.motion import Simulation
-from reference.witness.phase import SeveralContactPhase, WatchedContact
+from reference.witness.contacts import PlateDynamics, frictions, pair_at
 from tests.scenes import second as second_states
-from tests.scenes.decisions import accelerations_of, decision_in, outputs_in
+from tests.scenes.decisions import accelerations_of, decision_in
 
 G = 9.81
 
@@ -134,31 +127,6 @@ def test_a_disc_rocks_in_a_valley_and_comes_to_rest():
     times = motion.t[jumps]
     rest = times[-1] + (times[-1] - times[-2]) * factor / (1 - factor)
     assert last.time == pytest.approx(rest, abs=1e-3 * (last.time - times[-1]))
-
-
-def test_an_open_contact_whose_nearest_points_vanish_within_a_step_is_lost():
-    """Where a disc rolls up one flank of a groove, its point nearest to the other one passes the sharp bottom, where
-    there is none: the second formulation ended as `breakdown` if no look came before."""
-    radius = 0.5
-    track = groove(radians(25), 0.01)
-    case = case_in(track, Start(-0.3), CoulombFriction(1.0), radius=radius)
-    pair = pairs(case)[0]
-
-    def touching(s: float) -> np.ndarray:
-        """The disc at rest that touches the left flank at a parameter."""
-        return np.array([*(track.point(s) + radius * np.array(track.normal(s))), 0.0, 0.0, 0.0, 0.0])
-
-    near = (0.2, 0.0)  # on the right flank, and followed from where it touches both
-    for s in np.linspace(-0.211, -0.470, 250):
-        now = open_pair_at(pair, touching(s), near)
-        near = now.xi1, now.xi2
-    motion = Simulation(case, 0.0, touching(-0.470), 1e-12)
-    motion.clearances = {"open": now.clearance}
-    phase = SeveralContactPhase(motion.dynamics, [WatchedContact("open", pair, near, Mode.FLIGHT)])
-    with pytest.raises(DoesNotFit):
-        open_pair_at(pair, touching(-0.475), near)
-    assert motion.is_lost(phase, 0.0, 1.0, lambda t: phase.pairs(t, touching(-0.470 - 0.005 * t)))
-    assert not motion.is_lost(phase, 0.0, 1.0, lambda t: phase.pairs(t, touching(-0.470)))
 
 
 def test_without_friction_the_speed_along_the_next_flank_is_kept():
@@ -274,47 +242,6 @@ def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
     assert counts["one"] > 4000 and counts["projected"] > 3500
 
 
-def test_forces_that_lemkes_method_takes_for_none_hold_a_plate():
-    """Two contacts of a block under a load of 7.5e-12 of its weight: Lemke's method has no friction, and a slip begins
-    with that part. On a belt the motion went on in phases of no length, and so did a rest."""
-    rows = np.array([[0.0, 1.0, -0.3], [0.0, 1.0, 0.3], [1.0, 0.0, 0.2], [1.0, 0.0, 0.2]])
-    matrix, every = rows / (1.0, 1.0, 0.13 / 3.0) @ rows.T, slice(None)
-    law = [None, None], np.full(2, 0.2), np.full(2, 0.4)
-    for part, least in ((7.5e-12, 0.0), (0.4, 0.0), (0.4 + 1e-11, 1e-11), (0.5, 0.1)):
-        free = G * np.array([-1.0, -1.0, part, part])
-        assert complementarity.least_rate(matrix, free, *law, every, 1e-12) == pytest.approx(least, abs=1e-12)
-
-
-@pytest.mark.slow
-def test_a_block_rests_under_a_load_of_roundings():
-    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3), Load(fx="7e-11*sin(3*t)")
-    case = Case(line(), Plate.rectangle(0.6, 0.4, 1.0), effects, StartPose(0.0, 0.2), 1.0)
-    motion = _by_second(case, "second", 1e-13)
-    assert (motion.status, motion.end, motion.transitions) == ("completed", 1.0, ())
-
-
-@pytest.mark.slow
-def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
-    numbers, both = 0, 0
-    for seed in range(60):
-        case, (now, contacts, decision) = _random_state(seed)
-        if decision.modes is None or decision.rests or decision.guides:
-            continue
-        closed = [k for k, mode in enumerate(decision.modes) if mode is not Mode.FLIGHT]
-        if not closed:
-            continue
-        accelerations, rates, outputs = outputs_in(now, contacts, GroupModes(decision.modes))
-        states = [(contacts[k].xi1, contacts[k].xi2, *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
-        some = [BodyContact(pairs(case)[0], decision.modes[k], y) for k, y in zip(closed, states, strict=True)]
-        paper = solve_bodies([case], some, [(0.0, *now.state)])
-        assert paper.q1_ddot[0] == pytest.approx(accelerations, rel=1e-9, abs=1e-9)
-        for i, k in enumerate(closed):
-            forces = outputs[5 + 4 * k : 7 + 4 * k]
-            assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
-        numbers, both = numbers + 1, both + (len(closed) == 2)
-    assert numbers > 30 and both > 5
-
-
 # --- two formulations -------------------------------------------------------------------------------------------------
 
 
@@ -329,42 +256,12 @@ def _agree(case: Case, within: float) -> int:
     return len(changes)
 
 
-@pytest.mark.slow
-def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
-    case = cases.load("disc_rocking_in_groove", duration=2.0)
-    certificate = reference.certify(case)
-    assert "contact frame 1e-13" in certificate.witnesses and len(certificate.transitions) == 4
-    assert all(time.bar < 1e-11 for _, _, time, _ in certificate.transitions)
-
-
-@pytest.mark.slow
-def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
-    outline = Curve(lambda s: (0.5 * c.cos(s), 0.35 * c.sin(s)))
-    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.4)
-    case = Case(groove(radians(25), 0.02), Plate(outline, 1.0, 0.09), effects, Start(-0.7, xi2=4.3), 0.6)
-    assert _agree(case, 1e-10) >= 2
-
-
 def test_an_impact_in_a_groove_has_two_outcomes_where_the_disc_may_be_wedged():
     """Forces along the line of both contacts hold each other where that line is in both cones of friction, for
     μ tan α > 1: the disc stops, or rocks on as it does without them."""
     for incline, status in ((0.78, "completed"), (0.79, "not_unique")):  # μ = 1, and tan α = 1 at 0.7854
         case = cases.load("disc_rocking_in_groove", incline=incline, rounding=1e-6, duration=0.5)
         assert reference.simulate(case, method="dop853").status == status
-
-
-@pytest.mark.slow
-def test_an_impact_with_two_outcomes_is_certified():
-    """The second formulation had no state at the motion's end, a rounding after its own."""
-    certificate = reference.certify(cases.load("disc_rocking_in_groove", incline=0.8, duration=0.5))
-    assert certificate.status == "not_unique" and certificate.end.bar < 1e-13 and certificate.transitions == ()
-
-
-@pytest.mark.slow
-def test_a_contact_whose_nearest_points_vanish_in_a_groove_is_lost():
-    """The second formulation ended as `breakdown` at the first impact, as the flank that the disc leaves has no nearest
-    points between two looks of a step."""
-    assert _agree(cases.load("disc_rocking_in_groove", r=0.1, rounding=0.002, duration=0.6), 1e-12) == 2
 
 
 def test_a_disc_that_a_load_lifts_off_one_flank_at_once_rolls_on_the_other_one():
@@ -377,55 +274,3 @@ def test_a_disc_that_a_load_lifts_off_one_flank_at_once_rolls_on_the_other_one()
     now = reference.simulate(case).contact_columns("plate/track 2", np.zeros(1))
     assert now.normal_force == pytest.approx(G * cos(slope) + fx * sin(slope), rel=1e-12)
     assert now.friction_force == pytest.approx((G * sin(slope) - fx * cos(slope)) / 3.0, rel=1e-12)
-
-
-# In 60 the disc may roll on its own contact or be held by both: the second formulation ends as `not_unique`, and the
-# first one compares the motions of its own contact only.
-@pytest.mark.sampled(60)
-@pytest.mark.parametrize("seed", [seed for seed in range(80) if seed != 60])
-def test_both_formulations_have_one_motion_of_a_disc_that_begins_on_two_flanks(seed):
-    case, _ = _random_state(seed)
-    # In 67 a series of impacts amplifies roundings to 2e-11 s.
-    _agree(replace(case, duration=0.1), 1e-10)
-
-
-# --- an independent time stepper --------------------------------------------------------------------------------------
-
-
-def _step_through(case: Case, h: float) -> np.ndarray:
-    """The pose at the end by Moreau's midpoint rule: contacts with a closed gap at mid-step, velocities at its end by
-    projected Gauss-Seidel on impulses; no events, no modes."""
-    begin, dynamics = start_motion(case), PlateDynamics(case)
-    q, u = np.array([begin.x, begin.y, begin.theta]), np.array([begin.vx, begin.vy, begin.omega])
-    for number in range(round(case.duration / h)):
-        middle = q + 0.5 * h * u
-        now = []
-        for side in (-1.0, 1.0):
-            near = side * 0.4 * case.plate.radius, side * 0.4 - 0.5 * np.pi - float(middle[2])
-            try:
-                now += [pair for pair in [pair_at(pairs(case)[0], [*middle, *u], near)] if side * pair.xi1 > 0.0]
-            except DoesNotFit:
-                pass  # the disc is far up the other flank
-        free = u + h * dynamics.inverse * dynamics.torsor((number + 0.5) * h, [*middle, *u])
-        closed = [pair for pair in now if pair.gap <= 0.0]
-        if closed:
-            matrix, rows = dynamics.delassus(closed)
-            start = np.zeros(2 * len(closed))
-            law = frictions(closed)
-            impulse = complementarity.gauss_seidel(matrix, rows @ free, [None] * len(closed), *law, start, sweeps=5000)
-            assert impulse is not None
-            free = free + dynamics.inverse * (rows.T @ impulse)
-        u = free
-        q = middle + 0.5 * h * u
-    return q
-
-
-@pytest.mark.slow
-def test_a_time_stepper_without_events_converges_to_the_motion():
-    radius, duration = 0.5, 1.2  # one hand-over at 0.639 s
-    case = case_in(groove(radians(20), 0.05), Start(-0.6), CoulombFriction(1.0), radius=radius, duration=duration)
-    motion = reference.simulate(case)
-    assert len(motion.transitions) >= 2
-    exact = np.array([motion.x[-1], motion.y[-1], motion.theta[-1]])
-    errors = [np.abs(_step_through(case, h) - exact).max() for h in (4e-3, 2.5e-4)]
-    assert errors[1] < 0.25 * errors[0] and errors[1] < 5e-4

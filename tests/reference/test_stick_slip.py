@@ -19,8 +19,6 @@ from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, RollingResis
 from cases.library import line
 from reports.studies.published.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
 from tests.scenes import second as second_states
-from tests.scenes.motions import energy, work_done
-from tests.scenes.slip_laws import HYPERBOLIC, STRIBECK
 
 RADIUS = 0.1
 TURNS = 1e-6  # m r²/J: how much of the contact's motion is rotation
@@ -120,22 +118,6 @@ def test_viscous_friction_damps_the_slip_as_the_closed_form_says():
     for motion in all_motions(case):
         assert [t.time for t in motion.transitions[:2]] == pytest.approx(exact, abs=2e-12)
         assert [t.after for t in motion.transitions[:2]] == [Mode.SLIP_FORWARD, Mode.ROLL]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
-def test_a_falling_law_sustains_stick_and_slip_without_static_friction(mu):
-    """Where dμ/dv < 0 a steady slide is unstable: stick and slip alternate. Both formulations agree in every instant,
-    and the energy closes with the work of spring and friction. Each slip begins without acceleration, at its cone."""
-    case = slider(CoulombFriction(mu), 1.0, 100.0, 10.0, pulled=0.02, duration=3.5)
-    ours, *others = all_motions(case)
-    assert [t.after for t in ours.transitions] == [Mode.SLIP_FORWARD, Mode.ROLL] * 2
-    for other in others:
-        assert [t.after for t in other.transitions] == [t.after for t in ours.transitions]
-        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in ours.transitions], abs=1e-10)
-    change = np.diff(energy(case, ours(np.array([0.0, ours.t[-1]]))))[0]
-    scale = 3.0 * 0.02 * 3.5  # the force of friction times the way of the spring's moving end, J
-    assert change == pytest.approx(work_done(case, ours), abs=1e-10 * scale)
 
 
 def test_the_limit_cycle_of_leines_block_on_a_belt():

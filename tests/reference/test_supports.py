@@ -9,10 +9,9 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Start, StartPose, Support, disc
-from cases.library import circle, line, parabola
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, StartPose, Support, disc
+from cases.library import line
 from cases.motion.mechanics import energy
-from tests.scenes.agreement import agree
 from tests.scenes.supports import FREE, INELASTIC, G, events
 
 # --- the ladder -------------------------------------------------------------------------------------------------------
@@ -204,15 +203,3 @@ def test_each_support_has_its_own_restitution_and_friction():
     before = 1.0 - G * 0.125
     assert after.vy + G * 0.075 == pytest.approx(2.0 / 3.0 * before, rel=1e-12)
     assert 0.1 * after.omega == pytest.approx(after.vy + G * 0.075, rel=1e-12)
-
-
-@pytest.mark.slow
-def test_a_smooth_plate_between_curved_supports():
-    # A disc rolls up a parabola until it hits the inside of a circle: meetings are searched for.
-    bowl = Support(circle(2.0), "bowl")
-    effects, start = (*INELASTIC, CoulombFriction(0.4)), Start(-0.9, omega=-14.0)
-    case = Case(parabola(0.5), disc(0.3, 1.0), effects, start, 1.5, supports=(bowl,))
-    assert len(agree(case).transitions) >= 2
-
-
-# --- two formulations and the paper's matrix --------------------------------------------------------------------------

@@ -10,7 +10,6 @@ import pytest
 import cases
 import reference
 from cases import (
-    BadValue,
     Case,
     CaseError,
     ContactEffect,
@@ -26,7 +25,6 @@ from cases import (
     StartPose,
     Support,
     Unilateral,
-    UnknownName,
     disc,
 )
 from cases.library import line
@@ -141,31 +139,10 @@ def test_every_scene_can_be_swept(make):
         assert [row["energy_start"], row["energy_end"]] == pytest.approx(ends, rel=1e-12)
 
 
-def test_a_parameter_without_a_value_is_named_before_anything_runs():
-    def two(mu, speed):
-        return falling(CoulombFriction(mu), Drive(x=f"{speed}*t"))
-
-    with pytest.raises(BadValue, match="speed of two has no default; give it a value"):
-        reference.sweep(two, mu=[0.1, 0.2])
-
-
-def test_an_invalid_scene_that_goes_alone_is_a_row():
-    rows = reference.sweep(with_plate_ahead, mu=[0.1, -1.0]).to_dict("records")
-    assert [row["outcome"] for row in rows] == ["completed", BAD] and "mu" in rows[1]["reason"]
-
-
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", [*FAMILIES][:4])
 def test_rows_are_what_simulate_says(name, accuracy):
     wrong, apart = differences(name, 60, seed=1)
-    assert not wrong
-    accuracy(case=name, solver="sweep", route="waves", quantity="times against simulate", error=apart, tolerance=APART)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", FAMILIES)
-def test_rows_are_what_simulate_says_of_many(name, accuracy):
-    wrong, apart = differences(name, 900, seed=2)  # 7200 in all
     assert not wrong
     accuracy(case=name, solver="sweep", route="waves", quantity="times against simulate", error=apart, tolerance=APART)
 
@@ -191,29 +168,6 @@ def verdicts(number: int, seed: int) -> tuple[int, int]:
 def test_verdicts_are_those_of_the_inequality_at_the_exact_zero():
     right, wrong = verdicts(64, seed=3)
     assert (wrong, right) == (0, 64)
-
-
-@pytest.mark.slow
-def test_ten_thousand_verdicts_are_those_of_the_inequality():
-    right, wrong = verdicts(2**14, seed=4)
-    assert wrong == 0 and right > 10_000
-
-
-def test_short_slips_near_the_cone_are_not_missed():
-    """Let go a little outside the cone of rolling the disc slips for as short as one likes, and rolls."""
-    edge = np.arctan(1.0 / (3.0 * 0.2))
-    starts = edge - np.geomspace(1e-8, 1e-2, 80)
-    rows = reference.sweep("disc_in_circle", mu=0.2, xi1=starts)
-    assert {tuple(sequence.split(ARROW)[:2]) for sequence in rows.sequence} == {("slip_forward", "roll")}
-    assert np.all(np.diff(rows.first_time.to_numpy()) > 0.0)
-
-
-def test_a_motion_is_the_same_before_and_after_a_sweep():
-    # An integrator keeps its phase's parameters, and a sweep uses it with others.
-    case = cases.load("disc_in_circle", mu=0.2)
-    before = reference.simulate(case).transitions
-    reference.sweep("disc_in_circle", mu=[0.1, 0.3])
-    assert reference.simulate(case).transitions == before
 
 
 def test_a_grid_runs_its_last_parameter_fastest_and_every_sample_has_its_place():
@@ -269,50 +223,10 @@ def test_a_branch_in_the_case_is_seen():
         assert time == pytest.approx(slip_end(mu).time * np.sqrt(1.9 / 9.81), abs=1e-9)
 
 
-def test_without_heyoka_each_goes_by_itself(monkeypatch):
-    from reference import solve
-    from reference.minimal.integrators import taylor
-
-    heyoka_here = taylor.AVAILABLE
-    fast = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
-    monkeypatch.setattr(taylor, "AVAILABLE", False)
-    monkeypatch.setattr(solve, "METHODS", ("dop853",))
-    slow = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
-    assert slow.alone.all() and fast.alone.any() == (not heyoka_here)
-    assert slow.sequence.tolist() == fast.sequence.tolist()
-    assert slow.first_time.tolist() == pytest.approx(fast.first_time.tolist(), abs=1e-10)
-
-
 def test_certified_rows_have_error_bars():
     asked = plan("disc_in_circle", dict(mu=[0.1, 0.2]))
     (row,) = table.scenario_rows(asked, 0, 1, certified=True).to_pylist()
     assert len(row["error_bars"]) == len(row["times"]) and 0.0 < max(row["error_bars"]) < 1e-12
-
-
-@pytest.mark.parametrize(
-    ("vary", "how", "error", "words"),
-    [
-        (dict(nu="0:1:3"), {}, UnknownName, "there is no parameter of disc_in_circle 'nu'"),
-        (dict(mu="0.5:0.1:3"), {}, BadValue, "which is empty; give the smaller number first"),
-        (dict(mu="0.1:0.1:3"), {}, BadValue, "which is empty"),
-        (dict(mu="0.1:0.5:0"), {}, BadValue, "the count of mu is 0"),
-        (dict(mu="0:0.5:9:log"), {}, BadValue, "by powers; give a start above zero"),
-        (dict(mu="a:b:c"), {}, BadValue, "cannot be read; write mu=low:high:count"),
-        (dict(mu=[]), {}, BadValue, "mu has no value"),
-        (dict(mu=b"1"), {}, BadValue, "mu is b'1'; give a number, a list of numbers or text"),
-        (dict(mu={0.1: 0.2}), {}, BadValue, "give a number, a list of numbers or text"),
-        (dict(mu="0.1:0.5"), {}, BadValue, "mu has no count; write mu=0.1:0.5:count"),
-        (dict(), {}, BadValue, "nothing varies"),
-        (dict(mu="0.1:0.5"), dict(sample="random"), BadValue, "needs the number of scenarios"),
-        (dict(mu="0.1:0.5"), dict(sample="grit"), UnknownName, "there is no sampling 'grit'"),
-        (dict(mu="0.1:0.5:3"), dict(number=5), BadValue, "a grid has as many scenarios as its axes say"),
-        (dict(mu="0.1:0.5:3"), dict(rtol=1.0), BadValue, "rtol is 1.0"),
-        (dict(mu=[0.1, float("nan")]), {}, BadValue, "give a finite number"),
-    ],
-)
-def test_what_makes_no_sense_is_said_before_anything_runs(vary, how, error, words):
-    with pytest.raises(error, match=words.replace("(", r"\(")):
-        reference.sweep_chunks("disc_in_circle", **how, **vary)
 
 
 def test_the_boundary_of_the_application_is_where_the_paper_says():

@@ -7,22 +7,14 @@ import os
 import random
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-import numpy as np
 import pytest
 
 import cases
-import reference
-from cases import Load, State, Trajectory
-from cases.formulas import features
-from reference.minimal.integrators.taylor import IntegratorPool
 from reference.solve import METHODS
-from tests.reference.test_sweep import FAMILIES as SWEPT
 from tests.scenes import bits
 
 pytestmark = pytest.mark.taylor
@@ -67,36 +59,6 @@ def test_motions_are_the_same_in_threads():
 
 
 @pytest.mark.slow
-def test_samples_read_in_one_thread_while_another_simulates():
-    chosen = [cases.load("disc_in_circle", mu=mu) for mu in (0.01, 0.1, 0.2)]
-    alone = [bits.of_case(case) for case in chosen]
-    motions = [[reference.simulate(case) for _ in range(15)] for case in chosen]
-    stop = threading.Event()
-
-    def simulate() -> None:
-        while not stop.is_set():
-            for case in chosen:
-                reference.simulate(case)
-
-    busy = threading.Thread(target=simulate)
-    busy.start()
-    try:
-        read = [[bits.of_motion(motion) for motion in some] for some in motions]
-    finally:
-        stop.set()
-        busy.join()
-    for one, answers in zip(alone, read, strict=True):
-        assert set(answers) == {one}
-
-
-@pytest.mark.slow
-def test_certificates_and_sweeps_are_the_same_in_threads():
-    certificates = [partial(bits.of_certificate, "disc_on_line[mu=0.1]")]
-    sweeps = [partial(bits.of_sweep, name, SWEPT[name]) for name in ("disc_in_circle", "disc_on_spring")]
-    same_in_threads([*certificates, *sweeps], rounds=1)
-
-
-@pytest.mark.slow
 def test_threads_that_derive_everything_at_once(tmp_path):
     # Alone in a fresh process, where nothing is derived yet and nothing is taken from disk.
     labels = ["driven_disc"]
@@ -129,62 +91,6 @@ def test_the_whole_catalogue_is_the_same_in_threads(method):
 
 
 # --- what threads share, part by part ---------------------------------------------------------------------------------
-
-
-def test_an_integrator_is_in_one_use_at_a_time():
-    pool, inside, most = IntegratorPool(lambda: [0]), [], []
-
-    def use(integrator) -> None:
-        inside.append(id(integrator))
-        now = list(inside)  # other threads come and go between two looks at the list
-        most.append(len(now))
-        assert len(set(now)) == len(now)
-        inside.remove(id(integrator))
-
-    with ThreadPoolExecutor(THREADS) as threads:
-        list(threads.map(lambda _: pool.call(use), range(2000)))
-    pool.call(lambda one: pool.call(lambda other: one is not other or pytest.fail("it is in use")))
-    assert pool.call(id) == pool.call(id)  # alone, the same one again
-
-
-def test_an_integrator_comes_back_after_an_error():
-    pool = IntegratorPool(lambda: [0])
-    with pytest.raises(ZeroDivisionError):
-        pool.call(lambda integrator: 1 / 0)
-    assert pool.call(lambda one: one) is pool.call(lambda one: one)
-
-
-def test_two_threads_resolve_one_load():
-    def clear(seed: int) -> list[float]:
-        # Windows of a load that only a step far out needs, asked for by all threads at once.
-        return [load.features.clear(t, t + 50.0) for t in np.arange(0.0, 1000.0, 50.0)]
-
-    for _ in range(5):
-        load = Load(fx="exp(-((t-500)/0.01)**2)")
-        alone = clear(0)
-        load = Load(fx="exp(-((t-500)/0.01)**2)")
-        assert load.features is not None
-        with ThreadPoolExecutor(THREADS) as pool:
-            assert all(found == alone for found in pool.map(clear, range(THREADS)))
-        windows = load.features._sides[True]
-        assert all(one.high == other.low for one, other in zip(windows, windows[1:], strict=False))
-    assert isinstance(load.features, features.Features)
-
-
-def test_two_threads_ask_one_motion_for_its_samples():
-    whole = reference.simulate(cases.load("disc_in_circle"))
-
-    def samples() -> tuple[np.ndarray, State]:
-        time.sleep(0.01)  # all threads ask before the first has an answer
-        return whole.t.copy(), State(*(getattr(whole, name).copy() for name in State._fields))
-
-    motion = Trajectory.on_demand(samples)
-    with ThreadPoolExecutor(THREADS) as pool:
-        found = list(pool.map(lambda name: getattr(motion, name), State._fields))
-    for name, column in zip(State._fields, found, strict=True):
-        assert column is getattr(motion, name)  # who changes one in place sees it changed
-        assert np.array_equal(column, getattr(whole, name), equal_nan=True)
-    assert not hasattr(motion, "nothing")
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -16,17 +12,7 @@ import cases
 import reference
 from cases import Mode
 from reference.__main__ import main
-from reference.certification import (
-    TRUTH,
-    Bar,
-    DamagedTruth,
-    contradiction,
-    is_within_bars,
-    read,
-    stored_or_new,
-    truth_file,
-)
-from reports import export
+from reference.certification import Bar, DamagedTruth, contradiction, is_within_bars, read, stored_or_new, truth_file
 from reports.running import tasks
 from reports.running.storage import fingerprint
 
@@ -48,13 +34,6 @@ def copy(tmp_path, monkeypatch):
 
 
 # --- a damaged file ---------------------------------------------------------------------------------------------------
-
-
-def test_what_is_written_is_read_back_and_written_again(copy):
-    assert truth_file.read() == {label: read()[label] for label in (LABEL, "disc_on_line[mu=0.1]")}
-    before = copy.read_bytes()
-    truth_file.write(list(truth_file.read().values()), copy)
-    assert copy.read_bytes() == before
 
 
 DAMAGES = {
@@ -103,42 +82,6 @@ def test_the_command_certifies_a_damaged_row_again_and_only_that(copy, capsys):
     again, before = rows[LABEL].transitions[0][2], read()[LABEL].transitions[0][2]
     assert abs(again.value - before.value) <= again.bar + before.bar
     assert whole and LABEL in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_a_report_says_so_before_anything_is_run(tmp_path):
-    # A package of its own with a changed digit: nothing of this one is touched.
-    (tmp_path / "reference").symlink_to(_package_with(tmp_path, DAMAGES["a digit"](TRUTH.read_text())))
-    program = "import sys; sys.argv[0] = 'x'; from reports import build; sys.exit(build.main(sys.argv[1:]))"
-    run = subprocess.run(
-        [sys.executable, "-c", program, "--quick", "--case", LABEL, "--solver", "reference", "--out", "out"],
-        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
-    assert run.returncode == 2, run.stderr
-    assert run.stderr.splitlines()[-1].startswith("reports.build: truth.json is damaged")
-    assert "Traceback" not in run.stderr
-    assert not (tmp_path / "out").exists()
-
-
-def _package_with(tmp_path: Path, truth: str) -> Path:
-    package = tmp_path / "own"
-    root = Path(reference.__file__).parent
-    for file in root.rglob("*"):
-        there = package / file.relative_to(root)
-        if file.is_dir() or "__pycache__" in file.parts:
-            continue
-        there.parent.mkdir(parents=True, exist_ok=True)
-        if file != TRUTH:
-            there.symlink_to(file)
-    (package / "certification" / "truth.json").write_text(truth)
-    return package
-
-
-def test_an_exported_case_has_the_kept_certificate():
-    output = export.truth(cases.load("disc_in_circle", mu=0.2))
-    kept = read()[LABEL]
-    assert [row["time"] for row in output["transitions"]] == [row[2]._asdict() for row in kept.transitions]
-    assert (output["status"], output["end"]) == (kept.status, kept.end._asdict())
 
 
 # --- a certificate that the motion contradicts ------------------------------------------------------------------------
@@ -190,15 +133,6 @@ def test_each_method_has_its_own_error():
     other = replace(kept, transitions=((before, after, time._replace(value=value), xi1), *kept.transitions[1:]))
     assert contradiction(case, other, motion, motion, "dop853") == ""
     assert "the time of transition 1" in contradiction(case, other, motion, motion, "taylor")
-
-
-def test_the_papers_motion_is_within_its_bars_and_a_changed_one_is_not():
-    case, kept = cases.load(LABEL), read()[LABEL]
-    motion = reference.simulate(case, rtol=1e-13)
-    assert is_within_bars(case, kept, motion)
-    bar = kept.transitions[0][2]
-    assert not is_within_bars(case, changed(0, time=moved(bar, 3.0 * bar.bar)), motion)
-    assert not is_within_bars(case, replace(kept, status="lift_off"), motion)
 
 
 def test_a_changed_digit_is_contradicted():

@@ -22,7 +22,6 @@ from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
 from reports.sweeping.parameter_units import parameter_label
-from tests.benchmarks.effect_costs import figure as effect_costs
 
 from .test_work_precision import made
 
@@ -181,20 +180,3 @@ def test_the_profile_of_costs_is_of_whole_calls_and_states_the_number_of_cases()
     assert work_precision_figure._ratios(rows) == {(0.01, "a", "r"): [1.0], (0.01, "b", "r"): [4.0]}
     (ax,) = work_precision_figure.summary(rows, LineStyles([("a", "r"), ("b", "r")])).axes
     assert ax.get_ylabel() == "share of the timed cases (n = 1)"
-
-
-def test_effects_are_not_joined_by_lines_and_a_motion_that_ended_early_is_marked():
-    stages = [stage.effect for stage in effect_costs.stages("in_circle")]
-    row = {"scene": "in_circle", "outcome": "done", "disturbed": False, "change_m": 0.1, "cpu_s": 0.1}
-    rows = [
-        row | {"effect": effect, "solver": solver, "route": "native", "status": "completed"}
-        for effect in stages
-        for solver in ("one", "two")
-    ]
-    rows[2] |= {"status": "lift_off"}
-    above, _ = effect_costs._figure("in_circle", rows).axes
-    drawn = [line for line in above.lines if len(line.get_xdata()) and line.get_marker() != "None"]
-    assert all(len(line.get_xdata()) == 1 for line in drawn)
-    crosses = [line for line in drawn if line.get_marker() == "x"]
-    assert len(crosses) == 1 and round(float(crosses[0].get_xdata()[0])) == stages.index(rows[2]["effect"])
-    assert len({float(line.get_xdata()[0]) for line in drawn}) == len(rows)  # no two solvers at one place

@@ -17,7 +17,7 @@ from reports.running import calls, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
 from reports.running.storage import fingerprint, source_code
-from tests.test_imports_within_rooms import imports, modules, reached
+from tests.test_architecture import imported, modules
 
 pytestmark = pytest.mark.builds
 
@@ -214,12 +214,22 @@ def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engin
 @cache
 def import_graph() -> dict[str, set[str]]:
     known = {name: path for room in source_code.SUITE for name, path in modules(room).items()}
-    graph = {name: imports(name, path, known) for name, path in known.items()}
+    graph = {name: imported(path) & known.keys() - {name} for name, path in known.items()}
     graph["adapters.lookup"] -= {"adapters.by_process"}
     for name in known:
         if name.startswith("cases.") and not name.startswith("cases.pictures"):
             graph[name] = {other for other in graph[name] if not other.startswith("cases.pictures")}
     return graph
+
+
+def reached(start: str, graph: dict[str, set[str]]) -> set[str]:
+    """All that a module imports, directly or not."""
+    found, waiting = set(), [start]
+    while waiting:
+        for name in graph[waiting.pop()] - found:
+            found.add(name)
+            waiting.append(name)
+    return found
 
 
 @pytest.mark.parametrize(

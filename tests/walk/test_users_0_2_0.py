@@ -1,5 +1,8 @@
 """Files of users of version 0.2.0, unchanged, with the package that is installed: code, commands, engines, motions.
 
+`users_0_2_0.zip` was written with the code of commit 43ab33a3. It has README and docs, `starter/`, `examples/`, scripts
+of four new users, labels of all cases, a case file, exported scenes with their motions, and a submission.
+
 All of them run unchanged. One that cannot any more must end with one line that says what to type, and be in
 CHANGELOG.md; at most five may.
 """
@@ -7,6 +10,7 @@ CHANGELOG.md; at most five may.
 import json
 import re
 import sys
+import zipfile
 from math import isclose
 from pathlib import Path
 
@@ -19,11 +23,33 @@ from reports.comparison import compare
 from ..docs.test_docs import cells_shown, codes, desk  # noqa: F401 - a fixture
 from . import replay
 from .installed import Environment
-from .older_files import EXPORTS, POINTS, SUBMISSION, page_names, unpack
 from .pages import WALK, Left, Page, Step, commands
 from .test_walk import check_step, environment, walk, works  # noqa: F401 - a fixture
 
 pytestmark = pytest.mark.builds
+
+ARCHIVE = Path(__file__).with_name("users_0_2_0.zip")
+# Exported with 101 points of each curve: one scene with each kind of track, plate, effect and number of contacts.
+EXPORTS = (
+    "disc_in_circle[mu=0.2]", "disc_on_line[mu=0.1]", "disc_in_cosine", "disc_on_conveyor", "disc_rolling_to_rest",
+    "stribeck_disc", "pebble_on_incline", "sliding_box", "dropped_box", "box_on_shaken_table", "disc_in_v_of_belts",
+    "pile_of_discs",
+)  # fmt: skip
+POINTS = 101
+SUBMISSION = "submissions/my_engine/2.1.0"
+
+
+def page_names() -> set[str]:
+    """The names of the pages in the archive."""
+    with zipfile.ZipFile(ARCHIVE) as archive:
+        return {Path(name).name for name in archive.namelist() if name.endswith(".md")}
+
+
+def unpack(folder: Path) -> None:
+    """Put the files of the archive into a folder."""
+    with zipfile.ZipFile(ARCHIVE) as archive:
+        archive.extractall(folder)
+
 
 # Commands, patterns of what they print: each of the user's files with the command that reads it.
 VALLEY = (

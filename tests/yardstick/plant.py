@@ -102,7 +102,11 @@ def _run_here(tree: Path, nodes: Sequence[str], only: str) -> int:
     import pytest
 
     selection = ["-k", only] if only else []
-    return int(pytest.main(["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "", *selection, *nodes]))
+    return int(
+        pytest.main(
+            ["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "--thorough", "-m", "", *selection, *nodes]
+        )
+    )
 
 
 def without_faults(tree: Path, selection: Sequence[Fault]) -> dict[str, str]:

@@ -18,8 +18,6 @@ from reference.minimal.integrators import taylor
 from reference.minimal.modes import Regime, phase, start_state
 from reference.paper.closed_form import sliding_disc_in_circle
 
-from . import in_c
-
 # First slip phases are timed at the coarsest tolerance that reaches this error, s; whole motions at this tolerance.
 FIRST_SLIP_ERROR, RTOL = 1e-9, 1e-9
 COEFFICIENTS = (0.01, 0.1, 0.2)
@@ -42,13 +40,6 @@ def contestants() -> dict[str, Program]:
     for mu in COEFFICIENTS:
         if taylor.AVAILABLE:
             programs[f"heyoka on (35), first slip, mu={mu}"] = _coarsest_program(mu, closed_form_by_heyoka)
-        for nodes in (16, 32, 64, 128, 256, 512):
-            plain_c = in_c.first_slip(mu, nodes)
-            if plain_c is None:
-                break
-            programs[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
-            if abs(plain_c() - _exact(mu)) <= FIRST_SLIP_ERROR:
-                break
         for method in METHODS:
             programs[f"{method}, first slip, mu={mu}"] = _coarsest_program(mu, partial(first_slip, method=method))
             programs[f"simulate by {method}, first slip, new mu={mu}"] = _coarsest_program(

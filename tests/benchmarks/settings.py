@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from adapters import Setting
 from cases import Case, NotSupported
+from reports.analysis.columns import Table
 from reports.judging.grades import grade
 from reports.judging.score import score
 from reports.running.calls import Calls
@@ -23,7 +24,28 @@ from reports.running.processes.worker_process import CallResult
 from reports.running.records import Offer, Truth, one_default
 from reports.running.solvers import solver
 from reports.running.true_motions import true_motion
+from reports.studies import Request
 
+TABLES = {
+    "settings": Table(
+        "Rungs and settings of a grid, averaged over the cases, and the settings that beat a rung",
+        {
+            "solver": "the engine",
+            "route": "its route",
+            "place": "number of the rung or of the setting in the grid; ladder or grid if the route offers none",
+            "setting": "the setting, as it is in the first of the cases",
+            "outcome": "answered; unsupported, crashed or timed_out: no motion in one of the cases",
+            "reason": "the reason, and the case",
+            "cost": "CPU time over the case's median setting, geometric mean",
+            "off": "error as a share of the error of ignoring friction's law, geometric mean of max(off, 1e-4)",
+            "grade": "the grade of that mean",
+            "worst_off": "the largest off",
+            "cases": "number of cases, if it gave a motion in all of them",
+            "on_envelope": "whether no setting of the grid is faster and as accurate, or as fast and more accurate",
+            "beaten_by": "for a rung: the fastest setting of the grid that beats it",
+        },
+    )
+}
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (
     "disc_in_circle[mu=0.1]",
@@ -160,7 +182,7 @@ def beats(candidate: SettingPoint, other: SettingPoint) -> bool:
     return (cost <= 1 / MARGIN and error <= 1.0) or (cost <= 1.0 and error <= 1 / MARGIN**2)
 
 
-def rows(cells: Sequence[SettingCell]) -> list[dict[str, Any]]:
+def table(cells: Sequence[SettingCell]) -> list[dict[str, Any]]:
     """A row for every rung and every setting of a grid; for a rung also the setting that beats it, if there is one.
 
     A setting without a motion in some case has a row with the reason in the first such case.
@@ -208,3 +230,13 @@ def _failed_row(cell: SettingCell) -> dict[str, Any]:
         "on_envelope": "",
         "beaten_by": "",
     }
+
+
+def run(request: Request, calls: Calls) -> list[SettingCell]:
+    """The cells of all ladders and grids."""
+    return measure(request.cases_or(CASES), request.engines, calls)
+
+
+def rows(cells: list[SettingCell]) -> dict[str, list[dict[str, Any]]]:
+    """The table of settings."""
+    return {"settings": table(cells)}

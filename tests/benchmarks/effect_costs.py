@@ -34,6 +34,7 @@ from cases import (
 )
 from cases import curves as c
 from cases.library import circle
+from reports.analysis.columns import Table
 from reports.running.calls import Calls, StorePolicy
 from reports.running.clocked_run import run_on_clock
 from reports.running.experiment import offers
@@ -42,6 +43,36 @@ from reports.running.records import one_default
 from reports.running.solvers import solver
 from reports.running.timing.clock import NO_TIMING, Contestant, Timing
 from reports.running.timing.timed_pass import time_together
+from reports.studies import Request
+
+TABLES = {
+    "effect_costs": Table(
+        "The cost of each effect, and the error of the motion without it",
+        {
+            "scene": "the scene, which also determines the order of its effects",
+            "effect": "the effect that this stage adds to the stage before",
+            "effects": "all effects of the stage",
+            "solver": "the solver",
+            "route": "its route, or method of the reference",
+            "setting": "one rung: the reference at 1e-9, engines in the middle of their ladders",
+            "outcome": "done, unsupported, crashed (also a motion that is not finite) or timed_out",
+            "reason": "the reason of any other outcome than done",
+            "cpu_s": "CPU time of the run alone, s: the median of the undisturbed repeats",
+            "cpu_low_s": "lower end of the interval expected for the median of another process, s",
+            "cpu_high_s": "its upper end, s",
+            "cpu_to_first": "CPU time over that of the first stage",
+            "repeats": "number of repeats behind the median",
+            "disturbed": "whether the timing was disturbed by other load",
+            "evaluations": "evaluations of the right-hand side, if the solver counts them",
+            "operations": "operations of the largest compiled mode of contact (the reference)",
+            "events": "largest number of events monitored in a mode (the reference)",
+            "transitions": "transitions that the solver located itself",
+            "status": "how the motion ended",
+            "end_s": "when it ended, s",
+            "change_m": "largest distance of the centre from the motion without the effect, m",
+        },
+    )
+}
 
 # Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
 # second in an engine.
@@ -269,3 +300,13 @@ def change(before: StageResult, now: StageResult) -> float:
     t = np.linspace(0.0, max(before.end[0], now.end[0]), 401)
     x, y = (np.interp(t, now.path[0], now.path[i]) - np.interp(t, before.path[0], before.path[i]) for i in (1, 2))
     return float(max(hypot(a, b) for a, b in zip(x, y, strict=True)))
+
+
+def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
+    """The rows of all scenes."""
+    return measure(request.solvers, FULL_BUDGET if request.full else BUDGET, calls)
+
+
+def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The table of costs."""
+    return {"effect_costs": findings}

@@ -1,1 +1,0 @@
-"""The cost of each effect: a study."""

@@ -1,1 +1,0 @@
-"""Which coordinates to integrate: a study."""

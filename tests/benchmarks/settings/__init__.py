@@ -1,1 +1,0 @@
-"""Whether every rung of a ladder is worth its cost: a study."""
