@@ -1,7 +1,5 @@
 """The atlas of hard scenes: what the reference does there, and what is known exactly of it."""
 
-import signal
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from math import atan, cos, exp, pi, sin, sqrt
@@ -17,6 +15,7 @@ from reports.judging import residuals
 from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
 from tests.scenes import second as second_states
+from tests.scenes.limits import cpu_limit
 
 pytestmark = pytest.mark.taylor
 
@@ -49,22 +48,6 @@ SECOND_CANNOT = {
 TAKE_THEIR_TIME = ("flat_sided", "over_inflections", "released_at_an_inflection", "tightest_fit")
 
 
-@contextmanager
-def within(seconds: int):
-    """Raises TimeoutError where the block takes longer (a loop in Python, as the reference's is)."""
-
-    def late(*_):
-        raise TimeoutError(f"still running after {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def variants() -> list:
     """Every variant of every hard case; the last of each family runs by default, if it takes seconds."""
     found = []
@@ -78,7 +61,7 @@ def variants() -> list:
 
 @lru_cache(maxsize=64)
 def motion_of(label: str, method: str | None = None):
-    with within(PATIENCE):
+    with cpu_limit(PATIENCE):
         return reference.simulate(
             cases.load(label), rtol=FINEST.get(method or reference.METHODS[0], 1e-14), method=method
         )
@@ -90,7 +73,7 @@ def kinds(transitions):
 
 @lru_cache(maxsize=64)
 def last_bit(label: str) -> sensitivity.Sensitivity:
-    with within(PATIENCE):
+    with cpu_limit(PATIENCE):
         return sensitivity.spread(cases.load(label))
 
 
@@ -223,15 +206,6 @@ def test_a_slide_of_nine_hours_ends_to_the_last_digits():
     assert end.xi1 == pytest.approx(5.0 / (18 * 1e-6 * 9.81), rel=1e-10)
 
 
-@pytest.mark.parametrize("label", ["at_any_size[length=1e-06,mass=1e-09]", "at_any_size[length=1000,mass=1e+09]"])
-def test_sizes_and_masses_change_no_digit(label):
-    case = cases.load(label)
-    time, xi1, _ = FIRST_TRANSITION[0.2]
-    first = motion_of(label).transitions[0]
-    assert first.time / sqrt(case.parameters["length"]) == pytest.approx(time, rel=1e-12)
-    assert abs(first.xi1 + pi) == pytest.approx(xi1, rel=1e-12)
-
-
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_a_shaft_in_its_bearing_moves_as_the_papers_disc(gap):
     case = cases.load("nearly_conforming", gap=gap)
@@ -261,57 +235,26 @@ def paradox_angle(mu: float) -> float:
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("mu", [2.0, 5.0, 10.0])
 def test_a_rod_runs_into_the_paradox_at_the_angle_of_the_formula(mu, method):
-    with within(PATIENCE):
+    with cpu_limit(PATIENCE):
         motion = reference.simulate(cases.load("rod_into_the_paradox", mu=mu), rtol=1e-10, method=method)
     assert motion.status == "paradox" and not motion.transitions
     assert motion.theta[-1] == pytest.approx(paradox_angle(mu), abs=1e-9)
     assert "Painlev" in motion.reason
 
 
-@pytest.mark.skipif("taylor" not in reference.METHODS, reason="quadruple precision is heyoka's")
-def test_quadruple_precision_has_finite_states_up_to_the_paradox():
-    """Its coefficients there are too large for doubles; the states are not."""
-    motion = reference.simulate(cases.load("rod_into_the_paradox", mu=10.0), rtol=1e-14, method="taylor_quadruple")
-    assert motion.status == "paradox"
-    assert motion.theta[-1] == pytest.approx(paradox_angle(10.0), abs=1e-9)
-    assert np.isfinite(motion.xi1).all()
-
-
 @pytest.mark.parametrize("mu", [1.0, 1.3])
 def test_below_four_thirds_a_rod_meets_no_paradox_at_any_angle(mu):
     # The threshold of the slender rod on a point; on a tip of a thousandth of its length it lies a little lower.
     for angle in np.linspace(0.05, 1.5, 12):
-        with within(PATIENCE):
+        with cpu_limit(PATIENCE):
             motion = reference.simulate(cases.load("rod_into_the_paradox", mu=mu, angle=float(angle)))
         assert motion.status != "paradox", angle
 
 
 def test_above_four_thirds_the_paradox_begins_at_atan_two():
-    with within(PATIENCE):
+    with cpu_limit(PATIENCE):
         at_rest = [reference.simulate(cases.load("rod_into_the_paradox", mu=mu, angle=atan(2.0))) for mu in (1.3, 1.36)]
     assert [motion.status for motion in at_rest] == ["lift_off", "paradox"]
-
-
-@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
-def test_a_track_of_fifth_power_can_be_started_at_its_inflection():
-    case = cases.load("released_at_an_inflection", power=5.0)
-    motion, exact = (motion_of(case.label, method) for method in reference.METHODS)
-    assert motion.status == exact.status == "completed"
-    assert motion.x[-1] == pytest.approx(exact.x[-1], abs=1e-10)
-
-
-# Where a swing turns round its angle depends on its energy alone, which DOP853 keeps to the 1e-12 above: with
-# E = 1 − cos A that is an angle of (1 − cos A)/sin A = 0.55 times as much. The Taylor method keeps the last digits.
-TURNED = {"taylor": 1e-13, "dop853": 5.5e-13}
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("mu", [0.0, 1.0])
-def test_swings_end_where_they_began(mu):
-    case = cases.load("many_swings", mu=mu, periods=10.0)
-    for method, tolerance in TURNED.items():
-        if method in reference.METHODS:
-            assert motion_of(case.label, method).xi1[-1] == pytest.approx(case.start.xi1, abs=tolerance), method
 
 
 def test_energy_is_closed_over_a_hundred_transitions(accuracy):

@@ -124,22 +124,6 @@ def test_disc_lands_on_the_edge_of_a_table():
     assert after.vy == pytest.approx(-up + push * ny - G * 1e-3, rel=1e-11)
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("belt", [0.5, -0.7])
-def test_belt_over_an_edge_changes_only_the_spin(belt):
-    """Rolling on a belt of constant speed, the disc's acceleration does not depend on it, and neither does friction:
-    it leaves the edge like one that comes on a table at rest with the same speed."""
-    v, mu = 0.2, 0.5
-    case = Case(
-        Chain.polyline([(-1, 0), (0, 0), (0, -1)]), disc(R, 1.0),
-        (Gravity(G), CoulombFriction(mu), Unilateral(), Belt(belt)), Start(0.9, omega=(belt - v) / R), 2.0,
-    )  # fmt: skip
-    motion = reference.simulate(case, rtol=1e-14)
-    _, times = over_an_edge(v, mu)
-    assert [t.time for t in motion.transitions] == pytest.approx([0.1 / v + time for time in times], rel=EXACT)
-    assert motion.status == "lift_off"
-
-
 def test_block_on_its_corner_is_carried_by_a_belt():
     """It falls about its corner, which rolls with the belt: seen from the belt as on a rough table."""
     plate, u = Plate.rectangle(0.3, 0.1, 2.0), 0.8
@@ -169,15 +153,3 @@ def test_landings_that_have_no_impact_end_the_motion_with_a_sentence(case, statu
     motion, second = reference.simulate(case), second_states.motion(case)
     assert motion.status == status == second.status and words in motion.reason
     assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
-
-
-@pytest.mark.slow
-def test_energy_of_a_flight_over_corners_is_conserved():
-    """Elastic impacts on corners without friction keep the energy; every impact is on a corner of a square."""
-    case = on(library.line(0.1), Plate.polygon([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)], 1.0), Impact(1.0),
-              xi1=0.0, xi2=0.6, gap=0.3, omega=2.0, duration=2.0)  # fmt: skip
-    motion = reference.simulate(case, rtol=1e-14)
-    assert len(motion.transitions) > 3
-    s = motion(np.linspace(0, motion.t[-1], 200))
-    energy = 0.5 * (s.vx**2 + s.vy**2) + 0.5 * case.plate.inertia * s.omega**2 + G * s.y
-    assert np.ptp(energy) <= 1e-11 * np.abs(energy).max()

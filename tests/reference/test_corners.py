@@ -1,6 +1,6 @@
 """Motions over corners: closed forms and quadratures, the two formulations compared, and where motions end."""
 
-from math import cos, exp, pi, sin, sqrt
+from math import cos, exp, sin, sqrt
 
 import numpy as np
 import pytest
@@ -14,12 +14,10 @@ from cases import (
     Gravity,
     Mode,
     NotSupported,
-    Outline,
     PerfectlyRough,
     Plate,
     Start,
     Unilateral,
-    arc,
     disc,
     library,
 )
@@ -160,30 +158,6 @@ def test_plate_falls_about_its_corner(slides):
     assert motion.t[-1] == pytest.approx(falling(plate, height, lever, slides), rel=EXACT)
     assert motion(motion.t[-1]).theta == pytest.approx(0.0, abs=EXACT)
     assert abs(motion(motion.t[-1]).vx) <= EXACT if slides else motion(motion.t[-1]).slip == 0.0
-
-
-def test_energy_is_conserved_over_corners_without_slip():
-    """A Reuleaux wheel rolls down a rough slope over its corners."""
-    case = on(library.line(0.2), Plate.reuleaux(0.2, 1.0), PerfectlyRough(), xi1=0.0, omega=-4.0, duration=0.7)
-    motion = reference.simulate(case, rtol=1e-14)
-    assert motion.status == "completed" and len(motion.passages) == 3
-    s = motion(np.linspace(0, 0.7, 400))
-    energy = 0.5 * (s.vx**2 + s.vy**2) + 0.5 * case.plate.inertia * s.omega**2 + G * s.y
-    # The energy is no variable of the integration: DOP853's error in it is some times that of the pose.
-    assert np.ptp(energy) <= {"taylor": 1, "dop853": 5}[reference.METHODS[0]] * EXACT * np.abs(energy).max()
-
-
-@pytest.mark.slow
-def test_piece_boundaries_of_a_smooth_curve_change_nothing():
-    """A circle cut into arcs that join without corners: the motion of the paper's disc is the same."""
-    whole = on(library.circle(1.0), disc(R, 1.0), CoulombFriction(0.2), xi1=-pi, duration=2.0)
-    parts = Outline([arc((0.0, 0.0), 1.0, low, low + 2 * pi / 3) for low in (-pi, -pi / 3, pi / 3)])
-    one, other = (reference.simulate(case, rtol=1e-14) for case in (whole, on(
-        parts, disc(R, 1.0), CoulombFriction(0.2), xi1=-pi, duration=2.0)))  # fmt: skip
-    assert [t.after for t in one.transitions] == [t.after for t in other.transitions]
-    for a, b in zip(one.transitions, other.transitions, strict=True):
-        assert a.time == pytest.approx(b.time, rel=EXACT) and a.xi1 == pytest.approx(b.xi1, abs=10 * EXACT)
-    assert other.passages and not one.passages
 
 
 @pytest.mark.parametrize(

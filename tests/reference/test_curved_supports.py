@@ -7,7 +7,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 import reference
 from cases import (
@@ -199,32 +198,6 @@ def test_a_rod_slides_in_a_bowl_with_friction_until_it_stops():
     agree(case)
 
 
-@pytest.mark.slow
-def test_a_block_lands_in_a_bowl_on_one_corner_and_then_on_the_other():
-    # It falls without turning until its lower corner at a r from the centre has the distance R from the bowl's; without
-    # friction the impulse −v_n/(1/m + (a × n)²/J) acts along the normal there.
-    tilt, x, y = 0.4, 0.2, 0.5
-    plate = Plate.rectangle(0.8, 0.5, 1.0)
-    case = Case(circle(RADIUS), plate, INELASTIC, StartPose(x, y, tilt), 1.2)
-    c, s = cos(tilt), sin(tilt)
-    arms = [np.array([c * u - s * v, s * u + c * v]) for u, v in ((-0.4, -0.25), (0.4, -0.25))]
-    drops = [y + float(arm[1]) + sqrt(RADIUS**2 - (x + float(arm[0])) ** 2) for arm in arms]
-    drop, arm = min(zip(drops, arms, strict=True), key=lambda one: one[0])
-    motion = simulated(case)
-    first, second = motion.transitions[:2]
-    assert (first.contact, second.contact) == ("plate/track", "plate/track 2")
-    assert first.time == pytest.approx(sqrt(2.0 * drop / G), abs=1e-14)
-    speed = G * first.time
-    normal = -(np.array([x, y - drop]) + arm) / RADIUS
-    lever = arm[0] * normal[1] - arm[1] * normal[0]
-    impulse = speed * normal[1] / (1.0 + lever**2 / plate.inertia)
-    after = motion(np.nextafter(first.time, 2.0))
-    assert (after.vx, after.vy, after.omega) == pytest.approx(
-        (impulse * normal[0], impulse * normal[1] - speed, impulse * lever / plate.inertia), abs=1e-12
-    )
-    agree(case)
-
-
 def test_a_rod_that_begins_on_one_end_meets_the_bowl_with_the_other_one():
     # Without Flight the motion has one contact until then, and needs an Impact there.
     pose, end = StartPose(0.0, 0.0, 0.9), np.array([-HALF, -LOW])
@@ -291,25 +264,6 @@ def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
     else:
         theta = reference.simulate(case, 1e-14, method)(times).theta
     assert theta == pytest.approx([0.0, 0.4, -0.4, 0.0], abs=1e-11)
-
-
-@pytest.mark.slow
-def test_a_plank_that_rocks_on_a_hill_hits_the_ground_in_time():
-    # When its lower corner is at the ground's level, in the motion without that ground, whose period is exact.
-    free = reference.simulate(plank_on_hill(-0.5, CoulombFriction(2.0), supports=(GROUND,)), 1e-14)
-
-    def above(t: float) -> float:
-        now = free(t)
-        c, s = cos(now.theta), sin(now.theta)
-        return float(now.y + s - 0.05 * c - (0.6 + 0.15 * (now.x + c + 0.05 * s)))
-
-    first = next(t for t in np.linspace(0.01, 0.9, 90).tolist() if above(t) < 0.0)
-    exact = brentq(above, first - 0.01, first, xtol=1e-15)
-    ground = Support(Curve(lambda s: (s, 0.6 + 0.15 * s)), "ground")
-    case = plank_on_hill(-0.5, CoulombFriction(2.0), supports=(ground,), duration=1.0)
-    hit = next(t for t in reference.simulate(case, 1e-14).transitions if t.contact == "plate/ground")
-    assert hit.time == pytest.approx(exact, abs=1e-11)
-    agree(case)
 
 
 @pytest.mark.parametrize("method", ["first", "second"])

@@ -2,11 +2,10 @@
 duration, bouncing rests where it must, and what has no finite numbers ends in a sentence."""
 
 from dataclasses import replace
-from math import asin, cos, pi, sin, sqrt
+from math import asin, cos, pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.special import ellipj, ellipk
 
 import cases
 import reference
@@ -29,7 +28,6 @@ from cases import (
 from cases.library import circle, ellipse, line
 from reference.minimal import gap
 from reference.minimal.bouncing import LISTING_PART
-from reference.solver import march
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -63,18 +61,6 @@ def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, d
     assert motion.status == "completed"
     if duration == 1000.0:
         assert len(motion.transitions) == 1685
-
-
-@pytest.mark.sampled(6)
-@METHODS
-@pytest.mark.parametrize("duration", [3.0, 200.0])
-@pytest.mark.parametrize("start", [0.0, -0.4])
-def test_frictionless_disc_is_the_pendulum_of_elliptic_functions(method, start, duration):
-    length, k = 0.9, sin((pi / 2 + start) / 2)
-    motion = reference.simulate(Case(circle(1.0), disc(0.1, 1.0), (Gravity(G),), Start(start), duration), method=method)
-    for t in (0.3, 1.1, 2.5):
-        sn, _, _, _ = ellipj(ellipk(k * k) + sqrt(G / length) * t, k * k)
-        assert motion(t).x == pytest.approx(length * sin(2 * asin(k * sn)), abs=1e-9)
 
 
 @pytest.mark.sampled(3)
@@ -147,16 +133,6 @@ def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
     assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12 / (1 - 0.9))
 
 
-@pytest.mark.slow
-@METHODS
-@pytest.mark.parametrize("e, known", [(0.99, 20.0917873384), (0.999, 201.826547183)])
-def test_bouncing_near_restitution_one_rests_at_its_limit(method, e, known):
-    # They were 2.4e-4 s and 2.4e-2 s early. Ten thousand flights add up their roundings of 3e-14 s, and 1/(1 − e).
-    motion = reference.simulate(dropped(e, 0.05, 1.2 * rest(e, 0.05)), method=method)
-    assert motion.transitions[-1].time == pytest.approx(rest(e, 0.05), abs=1e-12 / (1 - e))
-    assert motion.transitions[-1].time == pytest.approx(known, abs=1e-9)
-
-
 @METHODS
 @pytest.mark.parametrize("duration", [20.0, pytest.param(2000.0, marks=pytest.mark.slow)])
 def test_a_plate_that_never_rests_lists_every_bounce(method, duration):
@@ -172,16 +148,6 @@ def test_impacts_are_listed_by_their_closing_speed(e):
     motion = reference.simulate(dropped(e, 0.2, 60.0))
     listed = 1 + int(np.floor(np.log(LISTING_PART) / np.log(e)))  # the n-th closes with eⁿ⁻¹ of the first speed
     assert pairs(motion) == [REBOUND] * listed + [(Mode.FLIGHT, Mode.ROLL)]
-
-
-def test_a_second_spell_of_bouncing_lists_its_own_impacts():
-    # A force hardly more than the weight lifts it for a moment: measured by the drop before nothing would be listed.
-    push = Load(fy="9.83-2*(t-2)**2")
-    effects = (Gravity(G), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.1), push)
-    motion = reference.simulate(Case(line(), disc(0.1, 1.0), effects, Start(0.0, gap=1.0), 2.9))
-    leaves = next(t.time for t in motion.transitions if t.after is Mode.FLIGHT and t.before is not Mode.FLIGHT)
-    spells = [[t for t in motion.transitions if (t.time < leaves) == first] for first in (True, False)]
-    assert [sum((t.before, t.after) == REBOUND for t in spell) for spell in spells] == [4, 4]
 
 
 # --- starts and landings that hit -------------------------------------------------------------------------------------
@@ -269,17 +235,6 @@ def test_a_little_more_speed_than_that_is_a_departure(method, slip):
 # --- too many, too large, none ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(2)
-@METHODS
-def test_many_phases_are_no_accumulation(monkeypatch, method):
-    monkeypatch.setattr(march, "MOST_PHASES", 50)
-    case = replace(cases.load("disc_in_circle", mu=0.2), duration=200.0)
-    motion = reference.simulate(case, method=method)
-    assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
-    monkeypatch.undo()
-    assert pairs(reference.simulate(case, method=method), motion.t[-1]) == pairs(motion)
-
-
 def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(monkeypatch):
     # Near its track each of an ellipse's points may be the first to land, many times while it falls by its size.
     effects = (Gravity(G), Unilateral(), Flight(), Impact(0.5))
@@ -289,18 +244,6 @@ def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(
     assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
     fallen = 0.5 * G * motion.t**2
     assert 0.0 < motion.t[-1] < 0.01 and np.allclose(motion.y[0] - motion.y, fallen, atol=1e-12)
-
-
-@METHODS
-def test_phases_that_take_no_time_end_a_motion_in_either_chart(monkeypatch, method):
-    for scene in ("disc_in_circle", "dropped_box"):
-        monkeypatch.setattr(march, "_phase", lambda chart: None)
-        motion = reference.simulate(cases.load(scene), method=method)
-        assert motion.status == "accumulation" and "50 changes of mode" in motion.reason
-        monkeypatch.setattr(march, "STUCK", 10_000)
-        monkeypatch.setattr(march, "MANY", 100)
-        assert reference.simulate(cases.load(scene), method=method).reason.startswith("Changes of regime accumulate")
-        monkeypatch.undo()
 
 
 LARGE = {

@@ -11,10 +11,8 @@ import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Load, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.curves import cos, exp, sin, tanh
-from cases.curves.plane_curve import features_of
 from cases.library import line
 from reference.certification.truth_file import stored_or_new
-from reference.minimal.modes import candidates, phase
 from tests.scenes import second as second_states
 
 pytestmark = pytest.mark.taylor
@@ -35,57 +33,7 @@ def gauss(height: float, centre: float, width: float) -> Curve:
     return Curve(lambda s: (s, height * exp(-(((s - centre) / width) ** 2))))
 
 
-BUMP = gauss(0.02, 4.0, 0.3)
 STEP = Curve(lambda s: (s, -0.05 * tanh(8 * (s - 3))))
-
-
-def rolls_on_after(track: str, seconds: float, first: float) -> tuple[float, float]:
-    """x of a disc that rolls from s = 0 at `first` m/s after that time, and the cone's least margin: energy and a
-    quadrature of dt = ds (1 - κ r) P / v, with v of the centre; every force by v and v dv/ds."""
-    with mpmath.workdps(30):
-        shape = {"bump": lambda s: mpmath.mpf("0.02") * mpmath.exp(-(((s - 4) / mpmath.mpf("0.3")) ** 2))}[track]
-        r, g = mpmath.mpf("0.1"), mpmath.mpf("9.81")
-        slope = lambda s: mpmath.diff(shape, s)  # noqa: E731
-        bend = lambda s: mpmath.diff(shape, s, 2) / (1 + slope(s) ** 2) ** 1.5  # noqa: E731
-        height = lambda s: shape(s) + r / mpmath.sqrt(1 + slope(s) ** 2)  # noqa: E731
-
-        def speed(s):
-            # ½ m v² + ½ (½ m r²)(v/r)² + m g h is constant.
-            return mpmath.sqrt(first**2 - 4 * g * (height(s) - height(0)) / 3)
-
-        def pace(s):
-            return mpmath.sqrt(1 + slope(s) ** 2) * (1 - r * bend(s)) / speed(s)
-
-        edges = [0, 2, 3, 3.5, 4, 4.5, 5, 6]
-        spent = mpmath.quad(pace, edges)
-        last = 6 + (mpmath.mpf(seconds) - spent) * first  # level again, to e^-44
-        margin = min(_margin(float(s), shape, float(first)) for s in np.linspace(2.5, 5.5, 61))
-        return float(last), margin
-
-
-def _margin(s: float, shape, first: float) -> float:
-    """What is left of the cone μ N - |T|, in weights: N = m (v² κ/(1 - κ r) + g cos a), T = m g sin a / 3."""
-    slope, second = float(mpmath.diff(shape, s)), float(mpmath.diff(shape, s, 2))
-    bend, angle = second / (1 + slope**2) ** 1.5, np.arctan(slope)
-    fall = float(shape(s)) + RADIUS * np.cos(angle) - float(shape(0)) - RADIUS
-    speed = first**2 - 4 * G * fall / 3
-    return 0.5 * (speed * bend / (1 - bend * RADIUS) / G + np.cos(angle)) - abs(np.sin(angle)) / 3
-
-
-@pytest.mark.slow
-def test_over_a_bump_by_energy_and_a_quadrature():
-    """Rolling without slip on a smooth track conserves energy, which gives the end to any number of digits."""
-    exact, margin = rolls_on_after("bump", 4.0, 2.0)
-    assert margin > 0.0
-    assert exact == pytest.approx(7.980986, abs=5e-7)  # what the fault's finder computed
-    case = rolling_over(BUMP)
-    for method in METHODS:
-        for rtol, error in ((1e-4, 1e-5), (1e-8, 1e-8), (1e-12, 2e-11)):
-            motion = reference.simulate(case, rtol=rtol, method=method)
-            assert motion.status == "completed" and not motion.transitions
-            assert float(motion.x[-1]) == pytest.approx(exact, abs=error), (method, rtol)
-    second = second_states.motion(case, rtol=1e-12, until=4.0)
-    assert second.last.motion[0] == pytest.approx(exact, abs=2e-11)
 
 
 def test_over_a_step_it_slips_and_rolls_again():
@@ -187,24 +135,6 @@ def test_a_second_contact_with_a_bump_narrower_than_the_plate_is_seen(height, wi
 # --- what features cost, and what they are ----------------------------------------------------------------------------
 
 
-ONE_SCALE = {
-    "line": Curve(lambda s: (s, 0.3 * s)),
-    "circle": Curve(lambda s: (2 * cos(s), 2 * sin(s))),
-    "ellipse": Curve(lambda s: (cos(s), 0.6 * sin(s))),
-    "cosine": Curve(lambda s: (s, -0.3 * cos(2 * s)), (-3, 3)),
-    "polynomial": Curve(lambda s: (s, s**4 - s**2), (-2, 2)),
-}
-
-
-@pytest.mark.parametrize("name", ONE_SCALE)
-def test_a_curve_with_one_scale_bounds_no_step(name):
-    """Then integrators do not even ask: the phase has no features."""
-    curve = ONE_SCALE[name]
-    assert curve.features is None or curve.features.plain
-    case = Case(curve, disc(0.02, 1.0), (Gravity(G), Unilateral()), Start(1.0), 1.0)
-    assert phase(case, candidates(case)[0]).features == ()
-
-
 @pytest.mark.sampled(2)
 @pytest.mark.skipif(len(METHODS) < 2, reason="heyoka is not installed")
 @pytest.mark.parametrize("rtol", [1e-7, 1e-9])
@@ -218,19 +148,6 @@ def test_on_a_sliver_the_default_is_as_accurate_as_its_tolerance(rtol):
     default, dop853_motion = (reference.simulate(case, rtol=rtol, method=method) for method in METHODS)
     errors = [np.abs([t.time for t in motion.transitions] - times).max() for motion in (default, dop853_motion)]
     assert errors[0] <= max(rtol * case.duration, 2 * errors[1])
-
-
-@pytest.mark.slow
-def test_most_of_the_catalogue_has_nothing_to_ask():
-    """All but ramps with a rounded foot and outlines with corners."""
-    asked = {
-        name
-        for name in cases.names()
-        for case in cases.select(name)
-        if any(c.features and not c.features.plain for c in (case.track, case.plate.outline))
-    }
-    assert len(asked) <= 9, asked
-    assert not asked & {"disc_in_circle", "disc_in_cosine", "ellipse_in_circle", "disc_on_incline"}
 
 
 def test_features_are_where_the_bump_is():
@@ -251,15 +168,6 @@ def test_the_tail_of_a_step_is_no_feature():
         assert curve.features.finest(-16.0, 0.0) > 1e-2
     load = Load(fx="1 - tanh((t - 2)/2)**2")
     assert load.features.finest(16.0, 64.0) > 0.1
-
-
-def test_features_do_not_depend_on_who_asks_first():
-    """Far out, and then near; near, and then far out: the same to the last bit."""
-    one, other = (Curve(lambda s: (s, 0.01 * tanh(30 * (s - 700)) + 0.1 * cos(s))) for _ in range(2))
-    questions = [(-500.0, -400.0), (699.0, 702.0), (0.0, 3.0), (30.0, 0.0)]
-    first = [one.features.clear(*q) for q in questions]
-    features_of.cache_clear()
-    assert [other.features.clear(*q) for q in reversed(questions)] == first[::-1]
 
 
 def test_features_of_a_closed_curve_come_again():

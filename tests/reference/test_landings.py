@@ -15,14 +15,12 @@ from cases import (
     Curve,
     Gravity,
     PerfectlyRough,
-    Plate,
     Start,
     Support,
     Unilateral,
     disc,
 )
 from cases.contact import start_motion
-from cases.library import line
 from tests.scenes import second as second_states
 from tests.scenes.ripples import FLYING, G, over_ripples
 
@@ -139,52 +137,6 @@ def test_a_disc_that_flies_past_a_crest_touches_it_or_not_by_a_hundredth_of_a_na
         slope = -2 * s / w**2 * y
         exact = (s - r * slope / mp.sqrt(1 + slope**2) + mp.mpf("0.2")) / 3
     assert solve(case) == pytest.approx(float(exact), abs=1e-9)
-
-
-@cache
-def with_a_hundred_lobes() -> tuple[Case, mp.mpf]:
-    """A spinning plate with 100 lobes of 10 µm that falls on a line, and when it lands (30 digits).
-
-    Its lowest point is that whose tangent is level; lobes come by 160 times a second.
-    """
-    lobes, low, spin, fall = 100, 1e-4, 10.0, 0.003
-    radius = f"0.1*(1+{low!r}*cos({lobes}*s))"
-    plate = Plate(Curve((f"{radius}*cos(s)", f"{radius}*sin(s)")), 1.0, 0.005)
-    case = Case(line(), plate, FLYING, Start(0.0, -pi / 2, gap=1e-4, gap_rate=-fall, omega=spin), 0.1)
-    begun = start_motion(case)
-    with mp.workdps(40):
-
-        def outline(s):
-            r, slope = mp.mpf("0.1") * (1 + low * mp.cos(lobes * s)), -mp.mpf("0.1") * low * lobes * mp.sin(lobes * s)
-            angle = mp.atan2(slope * mp.sin(s) + r * mp.cos(s), slope * mp.cos(s) - r * mp.sin(s))
-            return r, angle
-
-        def above(s):
-            r, angle = outline(s)
-            turned = -angle - mp.mpf(begun.theta)
-            turned -= 2 * mp.pi * mp.floor((turned + mp.pi / 2) / (2 * mp.pi))
-            t = turned / spin
-            return mp.mpf(begun.y) + mp.mpf(begun.vy) * t + r * mp.sin(s - angle), t
-
-        places = [-mp.pi / 2 - mp.mpf(n) / 20_000 for n in range(1, 8000)]
-        at = next(s for s in places if above(s)[0] < 0)
-        s = mp.findroot(lambda s: above(s)[0], (at + mp.mpf(1) / 20_000, at), solver="anderson")
-        return case, +above(s)[1]
-
-
-@pytest.mark.slow
-@FORMULATIONS
-def test_a_plate_of_a_hundred_lobes_lands_on_the_first_that_comes_down(solve, accuracy):
-    case, exact = with_a_hundred_lobes()
-    accuracy(
-        case="a plate of 100 lobes", solver="reference", route=solve.__name__, quantity="landing / s",
-        error=float(solve(case) - exact), tolerance=1e-12,
-    )  # fmt: skip
-
-
-@pytest.mark.slow
-def test_a_certificate_holds_the_landing_of_a_hundred_lobes():
-    holds(*with_a_hundred_lobes())
 
 
 def rolls_onto_a_bump() -> Case:

@@ -25,7 +25,8 @@ from cases import (
 )
 from cases.library import line
 from reference.solver import system
-from tests.scenes.walled_plates import energies, least_gap, random_walled_plates
+from tests.composition.confirm import resumed
+from tests.scenes.walled_plates import random_walled_plates
 
 G = 9.81
 WALL = Support(Curve(("0", "-s")), "wall")
@@ -43,24 +44,16 @@ def wedge(mu: float = 0.3, phi: float = 0.6, mass: float = 0.2) -> Case:
     return Case(line(), disc(0.2, 1.0), effects(mu), lower, 1.5, supports=(WALL,), others=others)
 
 
-def obeys(motion, times: np.ndarray) -> None:
-    """No overlap of more than the integrator's error, and no energy from nothing."""
-    assert least_gap(motion, times) > -1e-8
-    energy = energies(motion, times)
-    assert np.diff(energy).max() < 1e-8 * (np.abs(energy).max() + 1.0)
-
-
 # --- contacts without force, and contacts that do not touch each other ------------------------------------------------
 
 WEDGES = [(0.3, 0.6, 0.2), (0.6, 0.9, 0.5), (0.3, 0.9, 0.5)]
-MORE = [(mu, phi, mass) for mu in (0.1, 0.3, 0.6) for phi in (0.45, 0.6, 0.9) for mass in (0.2, 0.5, 2.0)]
 
 
-@pytest.mark.parametrize("wedge_of", [*WEDGES, *(pytest.param(w, marks=pytest.mark.slow) for w in MORE)])
+@pytest.mark.parametrize("wedge_of", WEDGES)
 def test_a_disc_beside_a_wall_that_it_touches_without_force_lands_on_the_floor(wedge_of):
     motion = reference.simulate(wedge(*wedge_of), rtol=1e-12, method="dop853")
     assert motion.status == "completed"
-    obeys(motion, np.linspace(0.0, 1.5, 1501))
+    assert not reference.check(motion.case, motion)
 
 
 def test_a_disc_falls_between_a_wall_and_a_disc_and_closes_at_the_known_time():
@@ -198,28 +191,21 @@ def test_drag_by_the_square_root_of_a_square_begins_at_rest():
 
 # --- random scenes ----------------------------------------------------------------------------------------------------
 
-# Motions that end early: what is computed obeys the laws.
-SEEDS = [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 500))]
+# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one; impacts
+# within roundings of the end, and flights after them; a disc that leaves another one where the event's force is 6e-11
+# N; a disc as high as the block that it hits, at the joint of a side and a corner (2474928891); a low hop just after
+# others came to rest (2474928900).
+ONCE_WRONG = [17, 14, 55, 2474928891]
+MORE = [pytest.param(s, marks=pytest.mark.slow) for s in (11, 51, 71, 75, 80, 85, 101, 107, 112, 137, 2474928900)]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_random_plates_between_walls_obey_the_laws(seed):
-    motion = reference.simulate(random_walled_plates(seed), method="dop853")
-    obeys(motion, np.linspace(0.0, float(motion.t[-1]), 1001))
-
-
-# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one; a disc
-# that leaves another one where the event's force is 6e-11 N; a disc as high as the block that it hits, at the joint of
-# a side and a corner (2474928891); a low hop just after others came to rest (2474928900).
-LATER = [pytest.param(s, marks=pytest.mark.slow) for s in (11, 51, 71, 80, 85, 101, 112, 119, 139, 2474928900)]
-
-
-@pytest.mark.parametrize("seed", [17, 14, 107, 2474928906, 2474928891, *LATER])
-def test_random_plates_go_on_where_they_ended_early(seed):
+@pytest.mark.parametrize("seed", [*ONCE_WRONG, *MORE])
+def test_random_plates_between_walls_obey_the_laws_and_go_on_from_their_middle(seed):
     """They ended as `breakdown`, `accumulation` or `paradox`."""
     case = random_walled_plates(seed)
     motion = reference.simulate(case, method="dop853")
     assert motion.status == "completed" and not reference.check(case, motion)
+    assert resumed(case, motion) == ""
 
 
 def _of_mass(case: Case, unit: float) -> Case:
@@ -239,52 +225,3 @@ def test_motions_of_several_plates_do_not_depend_on_the_unit_of_mass(seed, unit)
     one, other = (reference.simulate(c, method="dop853") for c in (case, _of_mass(case, unit)))
     assert one.status == other.status == "completed"
     assert one.transitions == other.transitions
-
-
-# In the state where they are stopped discs overlap by the error of the motion, 4e-13 m and 6e-11 m.
-OVERLAPS = [(2474928931, 1e-12), (2474928881, 1e-10)]
-STOPPED = [*((seed, 1e-12) for seed in range(5)), *OVERLAPS]
-MORE_STOPPED = [pytest.param(s, 1e-12, marks=pytest.mark.slow) for s in range(5, 200)]
-
-
-@pytest.mark.parametrize("seed, rtol", [*STOPPED, *MORE_STOPPED])
-def test_a_motion_that_is_stopped_goes_on_as_it_would_have(seed, rtol):
-    case = random_walled_plates(seed, duration=0.4)
-    whole = reference.simulate(case, rtol=rtol, method="dop853")
-    stop = 0.4 * float(np.random.default_rng([seed, 7]).uniform(0.1, 0.9))
-    stop = min([*_between_changes(whole, stop)])
-    rest = reference.simulate(_at(whole, stop, 0.4 - stop), rtol=rtol, method="dop853")
-    assert rest.status == whole.status
-    if whole.status == "completed":
-        for name in whole.plate_names:
-            one, other = whole.plate(name)(0.4), rest.plate(name)(float(rest.t[-1]))
-            assert np.array([one.x, one.y]) == pytest.approx(np.array([other.x, other.y]), abs=1e-6)
-
-
-def _between_changes(motion, time: float) -> list[float]:
-    """The time, moved to the middle between two transitions if it is next to one."""
-    marks = np.unique([0.0, *(change.time for change in motion.transitions), float(motion.t[-1])])
-    k = min(max(int(np.searchsorted(marks, time)), 1), len(marks) - 1)
-    return [0.5 * float(marks[k - 1] + marks[k])]
-
-
-def _at(motion, time: float, duration: float) -> Case:
-    """The case that begins with the plates' poses and velocities at a time of a motion."""
-    poses = []
-    for name in motion.plate_names:
-        now = motion.plate(name)(time)
-        poses.append(StartPose(*(float(v) for v in (now.x, now.y, now.theta, now.vx, now.vy, now.omega))))
-    others = tuple(replace(one, start=pose) for one, pose in zip(motion.case.others, poses[1:], strict=True))
-    return replace(motion.case, start=poses[0], others=others, duration=duration)
-
-
-# Walled scenes with two impacts within roundings of the motion's end, and flights after them.
-CLOSE_IMPACTS = (55, 75, 137)
-
-
-@pytest.mark.parametrize("seed", CLOSE_IMPACTS)
-def test_impacts_within_roundings_break_no_law(seed):
-    """No step of the check contains an impact, also where two are within roundings of each other."""
-    case = random_walled_plates(seed)
-    motion = reference.simulate(case, method="dop853")
-    assert reference.check(case, motion) == ()

@@ -122,21 +122,6 @@ def test_the_slip_after_an_impact_is_that_of_a_bisection_over_the_ratio_of_frict
 
 
 @drawn(200)
-@given(**impacts)
-def test_without_restitution_no_energy_is_created(law, before):
-    law = law._replace(restitution=0.0)
-    assert energy(law, collide(law, before)) <= energy(law, before) * (1 + 1e-12)
-
-
-@drawn(200)
-@given(**impacts)
-def test_where_it_slips_one_way_to_the_end_it_is_newtons_law(law, before):
-    newton = collide(law._replace(name="newton"), before)
-    if newton.slip * before.slip > 0.0:
-        assert collide(law, before) == pytest.approx(newton, rel=1e-9, abs=1e-9)
-
-
-@drawn(200)
 @given(slip=arms, lift=st.floats(-3.0, -1e-3), omega=arms, mu=st.floats(0.0, 3.0), e=st.floats(0.0, 1.0))
 def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
     # Friction does not change a disc's normal velocity, so that the course of the impulse does not matter.

@@ -24,45 +24,6 @@ def solve(case, **options):
     return second_states.motion(case, rtol=1e-13, **options)
 
 
-# --- the first step ---------------------------------------------------------------------------------------------------
-
-SHAPES = ((4, 2, 16), (3, 2, 14), (6, 3, 18))  # variables, positions, terms
-
-
-def random_series(rng, variables: int, terms: int) -> np.ndarray:
-    """Coefficients of a slow or fast motion; a third of them vanish, as at rest or at a symmetric place."""
-    fast = 10.0 ** rng.uniform(-30.0, 3.0)
-    sizes = 10.0 ** rng.uniform(-3.0, 2.0, (variables, 1)) * (rng.random((variables, terms)) < 0.67)
-    return sizes * rng.uniform(-1.0, 1.0, (variables, terms)) * fast ** np.arange(terms)
-
-
-@pytest.mark.parametrize(("variables", "positions", "terms"), SHAPES)
-def test_the_first_step_follows_from_the_largest_roots_of_all_terms(variables, positions, terms):
-    first_step = pytest.importorskip("reference.minimal.integrators.first_step")
-    rng, powers = np.random.default_rng(1), np.arange(1, terms)
-    for _ in range(50):
-        series = random_series(rng, variables, terms)
-        lengths = 10.0 ** rng.uniform(-2.0, 1.0, positions)
-        step = first_step._states(variables, positions, terms)(series.tolist(), lengths.tolist(), 0.0, 1e-3, np.inf)
-        growth = np.max(np.abs(series[:positions, 1:]) / lengths[:, None], axis=0) ** (1.0 / powers)
-        upper = np.max(np.abs(series[:, terms // 2 :]), axis=0) / max(1.0, np.max(np.abs(series[:, 0])))
-        longest = np.exp(-2.0) / np.max(upper ** (1.0 / powers[terms // 2 - 1 :]))
-        assert (step[0], step[1]) == pytest.approx((longest, np.max(growth)), rel=1e-12)
-        assert step[2] == 1e-3 / step[1] and np.isfinite(step[-1])
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize(("variables", "positions", "terms"), SHAPES)
-def test_every_coefficient_that_is_not_finite_is_noticed(variables, positions, terms, value):
-    first_step = pytest.importorskip("reference.minimal.integrators.first_step")
-    rng = np.random.default_rng(2)
-    for place in np.ndindex(variables, terms):
-        series = random_series(rng, variables, terms)
-        series[place] = value
-        step = first_step._states(variables, positions, terms)(series.tolist(), [1.0] * positions, 1.0, 1e-3, 1.0)
-        assert not np.isfinite(step[-1])
-
-
 # --- the bound --------------------------------------------------------------------------------------------------------
 
 
@@ -80,15 +41,6 @@ def test_the_bound_separates_a_dip_from_a_miss_of_the_same_depth(place, bend, sk
     time = excursion(lambda t: value(t, -lowest), 0.0, 1.0)
     assert time is not None and value(time, -lowest) <= 0.0
     assert excursion(lambda t: value(t, lowest), 0.0, 1.0) is None
-
-
-def test_of_two_dips_in_one_step_one_is_found_and_nothing_in_a_quantity_of_rounding():
-    times = [0.3, 0.8]
-    time = excursion(lambda t: (t - times[0]) ** 2 * (t - times[1]) ** 2 - 1e-9, 0.0, 1.0)
-    assert time is not None and min(abs(time - one) for one in times) < 1e-3
-    looks = []
-    assert excursion(lambda t: looks.append(t) or 1e-17 * (2.0 + (-1.0) ** len(looks)), 0.0, 1.0) is None
-    assert len(looks) <= 1000
 
 
 # --- exact scenes -----------------------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ import numpy as np
 import cases
 import reference
 from cases import Case, State, Trajectory
-from reference.certification import certify
 
 
 def digest(columns) -> str:
@@ -36,14 +35,3 @@ def of_case(case: Case, method: str | None = None) -> str:
 def of_label(label: str) -> str:
     """The same of a case of the catalogue, which is made for it."""
     return of_case(cases.load(label))
-
-
-def of_certificate(label: str) -> str:
-    """The certificate of a case of the catalogue."""
-    return repr(certify(cases.load(label)))
-
-
-def of_sweep(name: str, vary: dict) -> str:
-    """The rows of a sweep, but for the time they took."""
-    rows = reference.sweep(name, sample="random", number=60, **vary)
-    return repr(rows.drop(columns="cpu_s").to_dict("list"))
