@@ -1,15 +1,30 @@
 """Guides, crests, ends of tracks and landings, where a closed form or dense samples of the curves have the answer."""
 
-from math import cos, pi, sin, sqrt
+from dataclasses import replace
+from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq, fsolve
 
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Mode, Plate, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Load,
+    Mode,
+    PerfectlyRough,
+    Plate,
+    Start,
+    Unilateral,
+    disc,
+)
 from cases import curves as c
-from cases.library import circle, cosine, ellipse
+from cases.contact import start_motion
+from cases.library import circle, cosine, ellipse, line
 
 G = 9.81
 # Two integrations of a second or two at 1e-13, relative to values of the order of one.
@@ -127,3 +142,34 @@ def test_every_landing_is_a_touch_and_no_pose_before_it_overlaps():
             # Samples at most 2 mm apart miss the closest pair by their sagitta, κ (1 mm)²/2 = 0.03 mm at κ = 48 1/m.
             assert lowest > -5e-5
             assert lowest < 5e-5 or i < len(times) - 1
+
+
+@pytest.mark.parametrize("slope", [0.3, 1.2, 1.5])
+def test_perfectly_rough_disc_rolls_down_any_incline(slope):
+    answer = solve(Case(line(slope), disc(0.1, 2.0), (*GRIP, PerfectlyRough()), Start(0.0), 1.0))
+    assert not answer.transitions
+    assert np.hypot(answer(1.0).vx, answer(1.0).vy) == pytest.approx(G * sin(slope) / 1.5, rel=TIGHT)
+
+
+def test_load_acts_in_flight_and_brings_the_plate_down_at_its_own_time():
+    # Wind from above: m ÿ = −m g − 5, a moment that turns it, and drag along x that leaves vx₀ e^(−t/2).
+    effects, start = (*GRIP, Flight(), Load(fx="-vx", fy=-5, moment=0.03)), Start(0.0, gap=0.4, slip=1.0, gap_rate=1.0)
+    case = Case(line(), disc(0.1, 2.0), effects, replace(start, omega=-2.0), 3.0)
+    answer, begin, a = solve(case), start_motion(case), G + 2.5
+    assert answer.status == "landing"
+    assert answer.t[-1] == pytest.approx((1 + sqrt(1 + 2 * a * 0.4)) / a, abs=TIGHT)
+    now, x = answer(0.3), begin.x + 2 * begin.vx * (1 - exp(-0.15))
+    exact = x, begin.vx * exp(-0.15), -2 + 3 * 0.3, begin.theta - 0.6 + 1.5 * 0.09
+    assert (now.x, now.vx, now.omega, now.theta) == pytest.approx(exact, abs=TIGHT)
+
+
+def test_bilateral_guide_carries_a_bead_over_the_top_where_the_unilateral_one_lets_go():
+    # Without friction v² = v₀² − 2 g L (1 + sin ξ₁). It goes over the top from 4 g L on; N ≥ 0 there asks for 5 g L.
+    L, start = 0.9, Start(-pi / 2, slip=sqrt(4.5 * G * 0.9))
+    released, guided = (solve(Case(circle(1.0), disc(0.1, 1.0), e, start, 1.5)) for e in (GRIP, GRIP[:1]))
+    # N = m (v²/L − g sin ξ₁) vanishes at sin ξ₁ = 2.5/3.
+    assert [t.after for t in released.transitions] == [Mode.FLIGHT]
+    assert sin(released.transitions[0].xi1) == pytest.approx(2.5 / 3, abs=TIGHT)
+    now = guided(np.linspace(0, 1.5, 7))
+    assert guided.status == "completed" and not guided.transitions and now.xi1[-1] > pi / 2 + 0.1
+    assert now.vx**2 + now.vy**2 == pytest.approx(4.5 * G * L - 2 * G * L * (1 + np.sin(now.xi1)), abs=1e-11)
