@@ -275,16 +275,11 @@ def _write(
     output = table_files.write(place / "tables", results, study_results, command, local_runs.versions)
     calls.times.book("tables")
     figures = place / "figures"
-    entries, of_studies = pictures.draw(experiment, local_runs, costs, study_results, figures, calls)
+    entries = pictures.draw(experiment, figures, calls)
     for figure in entries:
         embed_command(figures, figure, html.command_of(figure.case, facts))
-    for result in study_results:
-        for figure in of_studies[result.name]:
-            embed_command(figures, figure, result.command)
-    page = html.render(
-        experiment, costs, output.frames, output.words, entries, study_results, of_studies,
-        motions.motions(experiment), figures, facts,
-    )  # fmt: skip
+    moving = motions.motions(experiment)
+    page = html.render(experiment, costs, output.frames, output.words, entries, study_results, moving, place, facts)
     calls.times.book("page")
     # One total for the page, the terminal and the manifest: all phases up to the complete page.
     facts["phases"], facts["seconds"] = (
@@ -327,8 +322,6 @@ def _summary(
         "",
     ]
     lines += [*verdict_text.legend(verdicts), ""]
-    if plan.verbose:
-        lines += [verdict_text.details(verdicts), "", *verdict_text.notes(verdicts), ""]
     many, counts = len(experiment.cases), tables.outcome_counts(experiment)
     lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs: {counts}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]

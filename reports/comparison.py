@@ -134,6 +134,11 @@ class Comparison:
 
     def plot(self, quantity: str = "slip") -> Picture:
         """Plot a quantity of all motions against time, and below its difference from the truth."""
-        from .drawing.motion_plot import plot
+        from cases.pictures.style import apply_style
 
-        return plot(self.case.label, self.truth, self.runs, quantity)
+        from .drawing import figures, matplotlib_writer
+        from .drawing.colours import LineStyles
+
+        diagram = figures.comparison(self.case.label, self.truth, self.runs, quantity)
+        with apply_style():
+            return matplotlib_writer.draw(diagram, LineStyles((run.solver, run.route) for run in self.runs))

@@ -136,11 +136,11 @@ def _install(engines: Sequence[str], from_source: bool) -> tuple[list[str], dict
 
 
 def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, about: dict[str, Any]) -> None:
-    """Write pages, tables and manifest."""
+    """Write the page, tables and manifest."""
     import pandas as pd
 
     from .analysis import version_history
-    from .page import dictionary, history_page, history_text, text
+    from .page import dictionary, history_text, text
 
     words, line_rows = version_history.TABLES, version_history.line_rows(lines)
     frames = {
@@ -150,9 +150,8 @@ def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, abo
     }
     with report_folder.of_history(out).staging(whole=True) as place:
         tables = place / "tables"
-        text.write(frames, words, tables, about["command"])
+        text.write(frames, tables)
         dictionary.write(frames, words, tables, about["command"])
-        (place / report_folder.PAGE).write_text(history_page.render(lines, releases, about), encoding="utf-8")
         markdown = history_text.render(line_rows, releases, _origin(), about["command"])
         (place / report_folder.HISTORY).write_text(markdown, encoding="utf-8")
         report_folder.sign(place, about)

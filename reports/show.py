@@ -76,11 +76,10 @@ def _write(figure: Figure, path: Path, force: bool) -> None:
 
 def engine_figures(case: Case, store: Path) -> dict[str, Figure]:
     """The figures of the runs that a default report has of the case: the motions of all engines ("engines") and, if one
-    is larger than the truth's error bar, the errors against the steps ("errors"). Raises BadValue without a truth."""
-    import matplotlib
+    has a motion, the errors of all settings against their steps ("errors"). Raises BadValue without a truth."""
+    from cases.pictures.style import apply_style
 
-    from .drawing import figures
-    from .drawing.style import STYLE, looks_of
+    from .drawing import figures, matplotlib_writer
     from .running.calls import Calls
     from .running.experiment import run_cases
     from .running.ladder_selection import select_rungs
@@ -93,10 +92,10 @@ def engine_figures(case: Case, store: Path) -> dict[str, Figure]:
     failure = experiment.truths[case.label].failure
     if failure:
         raise BadValue(f"there is no truth to compare engines with: {failure}; leave out --engines")
-    looks = looks_of(experiment)
-    with matplotlib.rc_context(STYLE):
-        drawn = {"engines": figures.motion(experiment, case, looks), "errors": figures.errors(experiment, case, looks)}
-    return {name: figure for name, figure in drawn.items() if figure is not None}
+    looks = figures.looks_of(experiment)
+    diagrams = {"engines": figures.motion(experiment, case), "errors": figures.against_steps(experiment, case)}
+    with apply_style():
+        return {name: matplotlib_writer.draw(each, looks) for name, each in diagrams.items() if each}
 
 
 def case_of(command: str, words: Sequence[str], says: str, *more: str) -> ShowRequest:

@@ -1,4 +1,4 @@
-"""`python -m reports.study NAME`: make one study and write its tables and figures into a folder."""
+"""`python -m reports.study NAME`: make one study and write its tables into a folder."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ COMMAND = "reports.study"
 )  # fmt: skip
 def main(arguments: Namespace, words: list[str]) -> None:
     """Check the options and make the study."""
-    from .drawing.figure_files import for_print
-
     study = studies.study(arguments.NAME)
     for option, subject in {"case": "case", "solver": "solver", "engine": "solver"}.items():
         if getattr(arguments, option) and subject not in study.TAKES:
@@ -39,14 +37,12 @@ def main(arguments: Namespace, words: list[str]) -> None:
     request = studies.Request(selection, solvers, arguments.full)
     out = options.check_out(arguments.out or arguments.NAME, report_folder.of_study)
     store = options.check_store(arguments.store, out)
-    with for_print(arguments.paper):
-        _make(arguments.NAME, request, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
+    _make(arguments.NAME, request, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
 
 
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .drawing.figure_files import embed_command
     from .page import dictionary, text
     from .page.manifest import manifest
     from .running import versions
@@ -65,13 +61,8 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with report_folder.of_study(out).staging(whole=True) as place:
-        files = text.write(result.frames, result.words, place, command)
+        files = text.write(result.frames, place)
         files += dictionary.write(result.frames, result.words, place, command)
-        for figure in result.draw(place):
-            embed_command(place, figure, command)
-            print(
-                f"{figure.title}: {out / f'{figure.name}.svg'}" if figure.name else f"{figure.title}. {figure.caption}"
-            )
         report_folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.summary()})
     store.trim()
     summary = getattr(result.study, "summary", None)

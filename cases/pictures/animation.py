@@ -19,7 +19,7 @@ from ..errors import BadValue, choice, positive
 from ..files.owned_folder import atomic_path
 from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
-from .plots import LABELS, MODE_WORDS, mark_transitions
+from .plots import LABELS, MODE_WORDS, first_contact, mark_transitions
 from .style import FAINT, FORCE, PLATE, Picture, apply_style
 
 # Frames per second: smooth, and a whole number of hundredths of a second per frame, which is the time unit of a GIF.
@@ -88,7 +88,8 @@ class Animation:
         right.plot(times, values, color=FAINT, linewidth=1.0)
         right.set(xlabel="time / s" + self._speed(), ylabel=LABELS[self._quantity])
         right.margins(x=0)
-        mark_transitions(right, motion.transitions, motion.first_mode, times[[0, -1]], 190.0)
+        first = first_contact(motion)
+        mark_transitions(right, first.transitions, first.first_mode, times[[0, -1]], 190.0)
         left.set_title(scene.label, loc="left", fontweight="bold")
         moving = _Moving(left, right, scene)
         size = float(np.ptp(scene.corners(), axis=1).max())
@@ -96,7 +97,7 @@ class Animation:
 
         def show(time: float) -> None:
             now = motion(time)
-            moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(motion, time))
+            moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(first, time))
 
         show(float(times[0]))
         figure.draw_without_rendering()  # compute the layout once instead of in every frame

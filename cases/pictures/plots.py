@@ -30,6 +30,8 @@ LABELS = {
     "xi1": "track parameter ξ₁",
     "xi2": "outline parameter ξ₂",
 }
+# Those of a contact; of several contacts the first one's are drawn, with its modes.
+_OF_CONTACT = ("slip", "normal_force", "friction_force", "xi1", "xi2")
 # Values of a curve's parameter at which its unit is determined, and the relative rounding of the comparison.
 _SAMPLES, _ROUNDING = 33, 1e-9
 # Roundings of a motion are those of quantities at least this large, in SI units: its positions, speeds and forces.
@@ -74,6 +76,11 @@ def parameter_labels(scene: DrawnScene) -> dict[str, str]:
     return {name: with_unit(LABELS[name], parameter_unit(curve)) for name, curve in curves.items()}
 
 
+def first_contact(motion: Any) -> Any:
+    """The motion of the first contact where there are several: other contacts change their modes at other times."""
+    return motion.of(motion.contact_names[0]) if len(motion.contact_names) > 1 else motion
+
+
 def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
     """Plot the scene (unless None) next to the quantities against time, with lines at the transitions.
 
@@ -85,7 +92,8 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
     if not is_color_like(colour):
         raise BadValue(f"the colour is {colour!r}; give a name or a code, such as 'C0' or '#1f77b4'")
     times = motion.times()
-    state = motion(times)
+    state, first = motion(times), first_contact(motion)
+    of_contact, at = (state, "") if first is motion else (first(times), f"\nat {first.contact_names[0]}")
     labels = LABELS | (parameter_labels(scene) if scene else {})
     with apply_style():
         figure = Picture(figsize=(9.2 if scene else 5.0, max(1.5 * len(names), 3.4)), layout="constrained")
@@ -95,12 +103,13 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
             _scene(left.subplots(), scene, motion, times, state)
         axes = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, name) in enumerate(zip(axes, names, strict=False)):
-            values = np.asarray(getattr(state, name))
+            is_of_contact = name in _OF_CONTACT
+            values = np.asarray(getattr(of_contact if is_of_contact else state, name))
             ax.plot(times, values, color=colour)
             _keep_level(ax, values)
-            ax.set_ylabel(labels[name])
+            ax.set_ylabel(f"{labels[name]}{at if is_of_contact else ''}")
             ax.margins(x=0)
-            mark_transitions(ax, motion.transitions, motion.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
+            mark_transitions(ax, first.transitions, first.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
         axes[-1].set_xlabel("time / s")
         right.align_ylabels()
     return figure

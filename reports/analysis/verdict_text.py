@@ -7,23 +7,12 @@ from math import isfinite
 from textwrap import wrap
 from typing import Any
 
-from ..judging.friction_sensitivity import LEAST, LEAST_SHARE
 from ..judging.grades import percent
-from .number_format import seconds
-from .verdict import WITHOUT_MOTION, is_engine, name
+from .verdict import is_engine, name
 
 LEAD = "Off (100 %: as bad as ignoring friction's law), medians over the"
 # Widest table of the terminal, in characters: that of a terminal that was not resized.
 WIDTH = 80
-# Headings of the two tables of the terminal, by the headings of `cells`.
-_SHORT = {
-    "answered": "answers",
-    "common, default": "default",
-    "common, finest": "finest",
-    "≤ 1 %": "≤ 1 %",
-    "friction ×": "friction ×",
-}
-_DETAILS = {"default": "default", "finest": "finest", "grade": "grade"}
 
 
 def sentence(table: Sequence[Mapping[str, Any]], pair_rows: Sequence[Mapping[str, Any]] = ()) -> str:
@@ -55,34 +44,22 @@ def sentence(table: Sequence[Mapping[str, Any]], pair_rows: Sequence[Mapping[str
     return f"{start}{''.join(nearer)} Of all {own[0]['friction_cases']}, {answers}."
 
 
-def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """The row for readers, as in the terminal and on the page: main text and small text by heading."""
-    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in WITHOUT_MOTION if row[outcome]]
-    count = f"{row['answered']} of {row['friction_cases']}"
+def cells(row: Mapping[str, Any]) -> dict[str, str]:
+    """The row for readers, by heading."""
     factor = row["worst_friction_factor"]
     return {
-        "answered": (count, ", ".join(lacking)),
-        "common, default": (off_text(row["common_default_off"]), ""),
-        "common, finest": (off_text(row["common_finest_off"]), ""),
-        "default": (off_text(row["default_off"]), _range(row)),
-        "finest": (off_text(row["finest_off"]), _worst(row["finest_off_worst"])),
-        "grade": (row["median_grade"] or "–", ""),
-        "≤ 1 %": (_confirmed(row, "good"), f"≤ 0.01 %: {_confirmed(row, 'excellent')}"),
-        "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
-        **({"time to 1 %": _time(row)} if row["cost_case"] else {}),
+        "answers": f"{row['answered']} of {row['friction_cases']}",
+        "default": off_text(row["common_default_off"]),
+        "finest": off_text(row["common_finest_off"]),
+        "≤ 1 %": confirmed(row, "good"),
+        "friction ×": f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–",
     }
 
 
-def _confirmed(row: Mapping[str, Any], level: str) -> str:
+def confirmed(row: Mapping[str, Any], level: str) -> str:
     """The cases within a level that finer settings confirm, and those that only the finest setting reaches."""
     lucky = row[f"{level}_one_setting"]
     return f"{row[f'{level}_cases'] - lucky} + {lucky}"
-
-
-def _time(row: Mapping[str, Any]) -> tuple[str, str]:
-    """CPU time of the first run within 1 % in the cost case, and of 1,000 runs."""
-    first, thousand = row["good_first_s"], row["good_thousand_s"]
-    return (seconds(first), f"1,000 runs: {seconds(thousand)}") if isfinite(first) else ("–", "")
 
 
 def off_text(off: float) -> str:
@@ -90,37 +67,11 @@ def off_text(off: float) -> str:
     return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
 
 
-def _range(row: Mapping[str, Any]) -> str:
-    """The range of off over all cases and default settings."""
-    low, high = row["default_off_best"], row["default_off_worst"]
-    return f"{off_text(low).removesuffix(' %')} to {off_text(high)}" if isfinite(high) else ""
-
-
-def _worst(off: float) -> str:
-    return f"worst {off_text(off)}" if isfinite(off) else ""
-
-
 def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:
     """The table for the terminal, at most `WIDTH` wide: engines, then routes that are partly this project's."""
-    return _in_terminal(table, [{new: cells(row)[old][0] for old, new in _SHORT.items()} for row in table])
-
-
-def details(table: Sequence[Mapping[str, Any]]) -> str:
-    """Further columns for the terminal, at most `WIDTH` wide: errors over all cases that each answers, and times."""
-    lines = []
-    for row in table:
-        texts = cells(row)
-        line = {new: texts[old][0] for old, new in _DETAILS.items()}
-        line |= {"worst": texts["finest"][1].removeprefix("worst "), "≤ 0.01 %": _confirmed(row, "excellent")}
-        if "time to 1 %" in texts:
-            first, thousand = texts["time to 1 %"]
-            line |= {"first run": first, "1,000 runs": thousand.removeprefix("1,000 runs: ")}
-        lines.append(line)
-    return _in_terminal(table, lines)
-
-
-def _in_terminal(table: Sequence[Mapping[str, Any]], lines: Sequence[Mapping[str, str]]) -> str:
     from tabulate import tabulate
+
+    lines = [cells(row) for row in table]
 
     def text(names: Sequence[str], is_dense: bool) -> str:
         pairs = [{"engine": one} | dict(line) for one, line in zip(names, lines, strict=True)]
@@ -153,20 +104,6 @@ def legend(table: Sequence[Mapping[str, Any]]) -> list[str]:
         "≤ 1 %: cases that stay within 1 %, confirmed by two settings + by the finest setting only, perhaps by luck. "
         "friction ×: friction compared with the law's, in the worst case.",
         *([f"Not compared, because this project computes the contact: {', '.join(ours)}."] if ours else []),
-    )
-
-
-def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the columns of `details` mean, and what the routes are that are partly this project's, in lines of at most
-    `WIDTH`."""
-    parts = {name(row): row["our_part"] for row in table if row["our_part"]}
-    return filled(
-        "Here default and finest are medians over the cases that each answers, so not of the same cases. worst, grade: "
-        "the largest error and the grade of the median error, at the finest setting run.",
-        f"Cases: those where 1 % of friction changes the error by {LEAST:g} or more, and ignoring friction changes the "
-        f"path by {100 * LEAST_SHARE:g} % or more. ≤ 1 %, ≤ 0.01 %: number of cases "
-        "in which the error and its doubt stay within that from a setting on.",
-        *(f"Not compared: {route} ({words})." for route, words in parts.items()),
     )
 
 

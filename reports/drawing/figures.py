@@ -1,96 +1,183 @@
-"""Figures of runs: the headline of a report; of one case the motion as in the paper, and the error against the steps.
+"""Every figure of runs as data: the slip of all engines, one case with its engines, error against cost, all scenes.
 
-Every figure depends only on an `Experiment`. Times in s, lengths in m, angles in rad.
+Times in s, lengths in m, angles in rad.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import product
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite, nan
-from pathlib import Path
-from typing import NamedTuple
+from statistics import median
+from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from cases import Case
-from cases.pictures import plots
+from cases import Case, Mode
+from cases.errors import unknown_name
+from cases.pictures.plots import LABELS
 
+from ..analysis.number_format import number, seconds
+from ..analysis.verdict import Key, SceneOffs
+from ..judging.grades import LEVELS, percent
+from ..judging.phases import phases_of
 from ..running.names import REFERENCE
-from ..running.records import (
-    Experiment,
-    Run,
-    Truth,
-    finest,
-    first_error,
-    is_default,
-    is_truth,
-    routes,
-    usable,
-)
-from .figure_files import FigureEntry, save
-from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic, looks_of
+from ..running.records import Experiment, Run, Truth, default, finest, first_error, is_truth, routes
+from .colours import LineStyles
+from .traces import Diagram, Panel, PlotAxis, Span, Trace
 
-# Smallest error on a logarithmic axis: below the rounding of doubles of order one.
-_SMALLEST = 1e-17
-# A truth that varies by less, in SI units, counts as constant: the variation is rounding.
-_LEVEL = 1e-9
-# A motion with fewer samples than _FEW is drawn as dots of _DOT points.
-_FEW, _DOT = 100, 3.0
+# Smallest error on a logarithmic axis in SI units, and smallest off: below are rounding, and the samples.
+_SMALLEST, LEAST_OFF = 1e-17, 1e-6
+# Off beyond this is drawn at the edge: a motion of its own.
+MOST_OFF = 10.0
+# Points along a line: enough for a panel, and few enough for a small page.
+POINTS = 160
 # The headline shows this many times the largest error of the first transition on both sides of it, but at least and at
 # most these parts of the duration.
 _ERRORS_SHOWN, _WINDOW = 3.0, (0.02, 0.1)
-# Height of a line of text, as a fraction of the axis next to it.
-_LINE = 0.075
+# A line is visibly apart from the truth by this part of the axis.
+_VISIBLE = 0.03
+# A plate that turns by less within a phase does not roll, rad; and the words of modes.
+_STILL = 1e-9
+_WORDS = {
+    "slide": "slides",
+    "slip_forward": "slip v > 0",
+    "slip_backward": "slip v < 0",
+    "roll": "rolls",
+    "rest": "rests",
+}
+_TIME = PlotAxis("time / s")
+# The differences by the names of the quantities that are compared, with the unit of each.
+_OFF = {
+    "slip": ("slip", "m/s"), "normal_force": ("normal_force", "N"), "theta": ("angle", "rad"), "x": ("x", "m"),
+    "y": ("y", "m"), "xi1": ("xi1", ""), "xi2": ("xi2", ""),
+}  # fmt: skip
+# Heights of neighbouring dots of the strip in shares of a row: a fixed order, so that a page is made again as it was.
+_HEIGHTS = (0, -8, 6, -4, 10, -11, 3, -7, 9, -2, 12)
 
 
-def _quantities(case: Case) -> list[tuple[str, str, str, str]]:
-    """Quantities plotted against time, the paper's first: name, unit, name in the samples, and name of the difference
-    from the truth. λ is the normal force over the length of track per unit of its parameter."""
-    track, outline = plots.parameter_unit(case.track), plots.parameter_unit(case.plate.outline)
-    return [
-        ("slip velocity", "m/s", "slip", "slip"),
-        ("track parameter ξ₁", track, "xi1", "xi1"),
-        ("outline parameter ξ₂", outline, "xi2", "xi2"),
-        ("rotation θ", "rad", "theta", "angle"),
-        ("multiplier λ", "N" if track == "m" else "N/m", "lambda", "lambda"),
-        ("X", "m", "x", "x"),
-        ("Y", "m", "y", "y"),
+def looks_of(experiment: Experiment) -> LineStyles:
+    """The line styles of all solvers and routes of an experiment."""
+    return LineStyles((run.solver, run.route) for run in experiment.runs)
+
+
+# --- motions ----------------------------------------------------------------------------------------------------------
+
+
+def headline(experiment: Experiment, case: Case) -> Diagram:
+    """Slip velocity of every engine with default settings: the whole motion, the first transition, and the errors."""
+    truth, runs = experiment.truths[case.label], with_defaults(experiment, case.label)
+    whole = _curves(truth, runs, "slip")
+    window = _window(truth, runs)
+    near = [_inside(trace, *window) for trace in whole.traces]
+    first = Panel(
+        _TIME._replace(low=window[0], high=window[1]), _room(whole.y.label, near),
+        tuple(trace._replace(label="") for trace in near), "the first transition", _spans(truth, window),
+    )  # fmt: skip
+    return Diagram(
+        f"Slip velocity in {case.label}, default settings",
+        "Above: the whole motion. Below: the first transition, where engines are early or late, and each engine's "
+        "absolute difference from the true slip velocity. Vertical lines: the true transitions, whose error bars are "
+        "far smaller than the lines' width.",
+        ((whole,), (first, _errors(truth, runs, "slip"))),
+    )
+
+
+def motion(experiment: Experiment, case: Case) -> Diagram:
+    """A case with the finest setting of every route: slip velocity and normal force, and the differences from the truth
+    of slip, force, rotation and centre. In flight there is no contact."""
+    truth = experiment.truths[case.label]
+    groups = routes(run for run in experiment.runs if run.case == case.label).values()
+    runs = [run for group in groups if (run := finest(group)) and not is_truth(run, truth)]
+    rows = [
+        (_curves(truth, runs, "slip"), _errors(truth, runs, "slip")),
+        (_curves(truth, runs, "normal_force"), _errors(truth, runs, "normal_force")),
+        (_errors(truth, runs, "theta"), _errors(truth, runs, "y")),
     ]
+    words = "Every route at its finest setting run, and its absolute difference from the truth."
+    return Diagram(f"{case.label}, finest settings", words, tuple(rows))
 
 
-def draw_headline(case: Case, experiment: Experiment, folder: Path) -> Iterator[FigureEntry]:
-    """Write the headline, also as PNG; yields its entry."""
-    with matplotlib.rc_context(STYLE):
-        figure = headline(experiment, case, looks_of(experiment))
-        yield save(figure, folder, "headline", case.label, *_HEADLINE_WORDS, png=True)
+def comparison(label: str, truth: Truth, runs: Sequence[Run], quantity: str) -> Diagram:
+    """One quantity of some motions against time, and its difference from the truth; raises UnknownName for a quantity
+    that is not compared."""
+    if quantity not in _OFF:
+        raise unknown_name("quantity that is compared", quantity, _OFF)
+    panels = (_curves(truth, runs, quantity),), (_errors(truth, runs, quantity),)
+    return Diagram(label, "Above: the motions. Below: their absolute differences from the truth.", panels)
 
 
-_HEADLINE_WORDS = (
-    "Slip velocity, and how far each solver is from the truth",
-    "Every engine with its default settings. Above: the whole motion. Below left: the first transition, where engines "
-    "are early or late. Below right: absolute difference from the reference's slip velocity, on a logarithmic axis. "
-    "Vertical lines: the truth's transitions, whose error bars are far smaller than the lines' width.",
-)
+def with_defaults(experiment: Experiment, label: str) -> list[Run]:
+    """The run of every engine's route with default settings; the finest for a motion that has none, as from a file."""
+    groups = routes(run for run in experiment.runs if run.case == label and run.solver != REFERENCE).values()
+    runs = [default(group) or finest(group) for group in groups]
+    return [run for run in runs if run is not None and len(run.off.get("t", ()))]
 
 
 def _name(run: Run) -> str:
-    return f"{run.solver}, {run.route}"
+    return f"{run.solver}, {run.route}" if run.route else run.solver
 
 
-def _finest(experiment: Experiment, label: str) -> list[Run]:
-    groups = routes(run for run in experiment.runs if run.case == label).values()
-    runs = [finest(group) for group in groups]
-    return [run for run in runs if run and not is_truth(run, experiment.truths[label])]
+def _curves(truth: Truth, runs: Sequence[Run], quantity: str) -> Panel:
+    """A quantity of the truth and of the runs against time; the truth sets the axis, so that a noisy force of one
+    engine does not flatten the other curves. With several contacts, while the first one is closed."""
+    t, values = truth.samples["t"], truth.samples[quantity]
+    spans = _spans(truth, (float(t[0]), float(t[-1])))
+    is_open = _flight(truth, t) if quantity in ("slip", "normal_force") else np.zeros(len(t), dtype=bool)
+    traces = [_line("", "", t, np.where(is_open, nan, values))]
+    for run in runs:
+        times = run.off["t"]
+        line = np.interp(times, t, values) + run.off[_OFF[quantity][0]]
+        if np.any(np.isfinite(line)):
+            line = np.where(np.interp(times, t, is_open) > 0.0, nan, line)
+            traces.append(_line(run.solver, run.route, times, line, _name(run), run.off[_OFF[quantity][0]]))
+    room = _room(LABELS[quantity], traces if quantity == "slip" else traces[:1])
+    if len(traces) > 2:  # a line that the eye cannot tell from the truth has no name here
+        least = _VISIBLE * ((room.high or 0.0) - (room.low or 0.0))
+        large = {_name(run): np.nanmax(np.abs(run.off[_OFF[quantity][0]]), initial=0.0) > least for run in runs}
+        traces = [trace._replace(label=trace.label if large.get(trace.label) else "") for trace in traces]
+    return Panel(_TIME, room, tuple(traces), spans=spans)
 
 
-def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
-    """Draw lines at the truth's transitions and, if `width` (of the axis, in points) is positive, mode names."""
-    plots.mark_transitions(ax, truth.transitions, truth.first_mode, truth.samples["t"][[0, -1]], width)
+def _errors(truth: Truth, runs: Sequence[Run], quantity: str) -> Panel:
+    """The absolute differences from the truth on a logarithmic axis: the largest of each group of samples."""
+    name, unit = _OFF[quantity]
+    traces = []
+    for run in runs:
+        t, size = _envelope(run.off["t"], run.off[name])
+        if np.any(np.isfinite(size)):
+            traces.append(Trace(run.solver, run.route, t.tolist(), size.tolist(), label=_name(run)))
+    what = LABELS[quantity].partition(" / ")[0].partition(" v")[0]
+    unit = f" / ({unit})" if "/" in unit else unit and f" / {unit}"
+    begin, end = (float(time) for time in truth.samples["t"][[0, -1]])
+    spans = tuple(span._replace(name="") for span in _spans(truth, (begin, end)))
+    return Panel(
+        _TIME._replace(low=begin, high=end), PlotAxis(f"error, {what}{unit}", is_log=True), tuple(traces), spans=spans
+    )
+
+
+def _line(
+    solver: str, route: str, t: np.ndarray, values: np.ndarray, label: str = "", off: np.ndarray | None = None
+) -> Trace:
+    """A line of at most 2 POINTS points, whose label stands where it is farthest from the truth."""
+    places = np.unique(np.linspace(0, len(t) - 1, 2 * POINTS).astype(int))
+    far = np.abs(off[places]) if off is not None else np.zeros(len(places))
+    at = int(np.nanargmax(far)) if np.any(np.isfinite(far)) else -1
+    return Trace(solver, route, t[places].tolist(), values[places].tolist(), label=label, label_at=at)
+
+
+def _inside(trace: Trace, low: float, high: float) -> Trace:
+    """The trace within a window of times, with points at its ends."""
+    times = np.linspace(low, high, POINTS)
+    return trace._replace(x=times.tolist(), y=np.interp(times, trace.x, trace.y).tolist())
+
+
+def _room(label: str, traces: Sequence[Trace]) -> PlotAxis:
+    """An axis with a margin around the values; a constant has one of its own size, as its variation is rounding."""
+    values = [value for trace in traces for value in trace.y if isfinite(value)] or [0.0]
+    low, high = min(values), max(values)
+    is_level = high - low <= max(1e-6 * abs(high), 1e-9)
+    margin = 0.1 * (max(abs(high), 1.0) if is_level else high - low)
+    return PlotAxis(label, low=low - margin, high=high + margin)
 
 
 def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -99,226 +186,150 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pieces = np.array_split(np.arange(len(size)), min(POINTS, len(size)))
     top = np.array([piece[np.argmax(size[piece])] for piece in pieces if len(piece)], dtype=int)
     # A difference of zero cannot be drawn on a logarithmic axis.
-    return t[top], np.where(size[top] > _SMALLEST, size[top], np.nan)
+    return t[top], np.where(size[top] > _SMALLEST, size[top], nan)
 
 
-def _log_error(ax: Axes, runs: list[Run], name: str, looks: LineStyles) -> list[tuple[float, Run]]:
-    """Draw |difference| of each run on a logarithmic axis; returns the last value of each line, for labels."""
-    ends = []
-    for run in runs:
-        off = run.off[name]
-        if not np.any(np.isfinite(off)):
+def _first_contact(truth: Truth, end: float) -> tuple[str, tuple]:
+    """The name of the truth's first contact where there are several, and its phases."""
+    name = next(iter(truth.scales), "") if truth.has_several_contacts else ""
+    first = truth.scales[name].phases[0].mode if name else truth.first_mode
+    return name, phases_of(first, [t for t in truth.transitions if t.contact == name or not name], end)
+
+
+def _flight(truth: Truth, t: np.ndarray) -> np.ndarray:
+    """At which times the first contact is open."""
+    _, phases = _first_contact(truth, float(t[-1]))
+    flights = [phase for phase in phases if phase.mode is Mode.FLIGHT]
+    return np.any(
+        [(t >= phase.begin) & (t <= phase.end) for phase in flights] or [np.zeros(len(t), dtype=bool)], axis=0
+    )
+
+
+def _spans(truth: Truth, window: tuple[float, float]) -> tuple[Span, ...]:
+    """The modes of the truth's first contact within a window; without slip they are shaded."""
+    t, theta = truth.samples["t"], truth.samples["theta"]
+    name, phases = _first_contact(truth, float(t[-1]))
+    spans: list[Span] = []
+    for phase in phases:
+        low, high = max(phase.begin, window[0]), min(phase.end, window[1])
+        if low >= high:
             continue
-        t, size = _envelope(run.off["t"], off)
-        ax.plot(t, size, **looks.line(run.solver, run.route), linewidth=1.0)
-        if np.any(np.isfinite(size)):
-            ends.append((float(size[np.isfinite(size)][-1]), run))
-    return ends
+        word = _WORDS.get(str(phase.mode), "flies" if not name else "open")
+        if phase.mode is Mode.ROLL and np.ptp(np.interp([phase.begin, phase.end], t, theta)) <= _STILL:
+            word = "sticks"
+        text = f"{name}: {word}" if name and not spans else word
+        spans.append(Span(low, high, text, phase.mode in (Mode.ROLL, Mode.REST)))
+    return tuple(spans)
 
 
-def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: LineStyles) -> None:
-    """Write names at the right ends of the lines, moved apart if they would overlap."""
-    low, high = np.log10(ax.get_ylim())
-    places: list[float] = []
-    ends = sorted(ends, key=lambda end: end[0])
-    for value, _ in ends:
-        height = float((np.log10(value) - low) / (high - low))
-        places.append(max(height, places[-1] + _LINE if places else 0.0))
-    # A label above the top moves down and pushes the others down.
-    for i, ceiling in enumerate(1.0 - _LINE * np.arange(len(places))):
-        places[-1 - i] = min(places[-1 - i], float(ceiling))
-    for (_, run), place in zip(ends, places, strict=True):
-        ax.annotate(
-            _name(run),
-            (1.0, place),
-            (5, 0),
-            xycoords="axes fraction",
-            textcoords="offset points",
-            color=looks.colour(run.solver),
-            va="center",
-            fontsize=8.5,
-            annotation_clip=False,
-        )
-
-
-# --- the figures ------------------------------------------------------------------------------------------------------
-
-
-def headline(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
-    """Slip velocity of every engine with default settings: the whole motion, the first transition, and the errors."""
-    truth, runs = experiment.truths[case.label], _with_defaults(experiment, case.label)
-    figure = plt.figure(figsize=(7.6, 5.8), layout="constrained")
-    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.15))
-    above, near, below = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
-    slips = [(run, run.off["t"], _slip(run, truth)) for run in runs]
-    window = _window(truth, runs)
-    for ax in (above, near):
-        ax.plot(truth.samples["t"], truth.samples["slip"], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
-        for run, times, slip in slips:
-            ax.plot(times, slip, **looks.line(run.solver, run.route), linewidth=1.1)
-        ax.axhline(0.0, color=FAINT, linewidth=0.7)
-        ax.set_ylabel(plots.LABELS["slip"])
-        ax.set_xlabel("time / s")
-    above.margins(x=0)
-    above.set_title(f"{case.label}, default settings", loc="left", pad=18, fontweight="bold")
-    _mark_transitions(above, truth, width=480.0)
-    above.axvspan(*window, color="#eeeeee", zorder=0)
-    near.set_xlim(*window)
-    near.set_ylim(*_range_inside(window, [(truth.samples["t"], truth.samples["slip"]), *(pair[1:] for pair in slips)]))
-    near.set_title("the first transition (grey above)", loc="left")
-    _mark_transitions(near, truth)
-    logarithmic(below, "y")
-    ends = _log_error(below, runs, "slip", looks)
-    _mark_transitions(below, truth)
-    below.set_ylabel("error / (m/s)")
-    below.set_xlabel("time / s")
-    below.margins(x=0)
-    _label_ends(below, ends, looks)
-    return figure
-
-
-def _with_defaults(experiment: Experiment, label: str) -> list[Run]:
-    """The run of every engine's route with default settings; the finest for a motion that has none, as from a file."""
-    groups = routes(run for run in experiment.runs if run.case == label and run.solver != REFERENCE).values()
-    runs = [next((run for run in group if is_default(run)), None) or finest(group) for group in groups]
-    return [run for run in runs if run is not None and len(run.off.get("t", ()))]
-
-
-def _slip(run: Run, truth: Truth) -> np.ndarray:
-    """The slip velocity of a run at the times of its differences, m/s."""
-    return np.interp(run.off["t"], truth.samples["t"], truth.samples["slip"]) + run.off["slip"]
-
-
-def _window(truth: Truth, runs: list[Run]) -> tuple[float, float]:
+def _window(truth: Truth, runs: Sequence[Run]) -> tuple[float, float]:
     """The times around the truth's first transition in which the runs differ visibly, s."""
     begin, end = (float(time) for time in truth.samples["t"][[0, -1]])
     errors = [abs(error) for run in runs if isfinite(error := first_error(run))]
     least, most = (part * (end - begin) for part in _WINDOW)
     half = min(max(_ERRORS_SHOWN * max(errors, default=0.0), least), most)
-    return truth.transitions[0].time - half, truth.transitions[0].time + half
+    middle = truth.transitions[0].time
+    return max(begin, middle - half), min(end, middle + half)
 
 
-def _range_inside(window: tuple[float, float], lines: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """The range of the lines' values inside a window of times, with a margin."""
-    inside = np.concatenate([np.interp(np.linspace(*window, POINTS), t, values) for t, values in lines])
-    low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
-    margin = 0.08 * (high - low) or 1.0
-    return low - margin, high + margin
+# --- settings and scenes ----------------------------------------------------------------------------------------------
 
 
-def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: LineStyles) -> None:
-    ax.plot(truth.samples["t"], truth.samples[name], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
-    top, bottom = np.nanmax(truth.samples[name]), np.nanmin(truth.samples[name])
-    # The truth sets the axis range: a noisy force of one engine must not flatten or hide the other curves.
-    room = 0.08 * (top - bottom if top - bottom > max(1e-6 * abs(top), _LEVEL) else max(abs(top), 1.0))
-    ax.set_ylim(bottom - room, top + room)
-    for run in runs:
-        values = run.samples[name]
-        if run.solver == REFERENCE:  # it coincides with the truth: only its difference is visible
-            ax.plot([], [], **looks.line(run.solver, run.route), label=_name(run))
-            continue
-        if not np.any(np.isfinite(values)):
-            continue
-        every = max(1, len(values) // (2 * POINTS))
-        exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
-        noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
-        look = looks.line(run.solver, run.route) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
-        if len(values) < _FEW:
-            _dots(ax, run.samples["t"], values, look["color"], _name(run))
-        else:
-            ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
+def against_cost(
+    case: str,
+    points: Iterable[Mapping[str, Any]],
+    work: str = "call_s",
+    quantity: str = "off",
+    floor: float = LEAST_OFF,
+) -> Diagram | None:
+    """Error against cost of every setting of a case, from coarse to fine; None without a point.
 
-
-def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
-    """Draw the samples of a solver with few long steps as dots; straight lines between them would add errors.
-
-    The dots are one path of very short segments with round ends: markers would take a quarter of the file.
+    `points`: rows with solver, route, setting, `error` and `doubt`, and `work`, seconds of a whole call or the number
+    of steps. What is smaller than `floor` is an arrow at the edge.
     """
-    short = 1e-5 * float(np.ptp(t))
-    times, values = np.column_stack([t, t + short, np.full(len(t), nan)]), np.column_stack([y, y, np.full(len(t), nan)])
-    ax.plot(times.ravel(), values.ravel(), color=colour, linewidth=_DOT, solid_capstyle="round")
-    ax.plot([], [], linestyle="", marker=".", markersize=2 * _DOT, color=colour, label=label)
-
-
-def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
-    """The paper's diagrams from the finest setting of every route, each with the difference from the truth: the largest
-    in each of POINTS time intervals. λ is missing without a usable normal force; in flight there is no contact."""
-    truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
-    quantities = _quantities(case)
-    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.5, 13.6), sharex=True, layout="constrained")
-    for place, (quantity, unit, name, off) in enumerate(quantities):
-        row = axes[place]
-        _curves(row[0], truth, runs, name, looks)
-        row[0].set_ylabel(plots.with_unit(quantity, unit))
-        logarithmic(row[1], "y")
-        _log_error(row[1], runs, off, looks)
-        row[1].set_ylabel(plots.with_unit("error", unit))
-        for side, ax in enumerate(row):
-            _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
-            ax.margins(x=0)
-    for ax in axes[-1]:
-        ax.set_xlabel("time / s")
-    handles, names = axes[0][0].get_legend_handles_labels()
-    figure.legend(
-        handles, names, loc="outside upper center", ncols=3, title=case.label, title_fontproperties={"weight": "bold"},
-    )  # fmt: skip
-    return figure
-
-
-class _Point(NamedTuple):
-    """A setting in the figure of errors."""
-
-    steps: int
-    error: float
-    run: Run
-
-
-def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | None:
-    """Error of the first transition (without transitions, of the centre) of every rung against its steps; None if no
-    error is larger than the truth's error bar. A cross marks an unusable motion (its first transition may still be
-    accurate), a hollow marker the engine's default settings; grey is within the error bar of the truth."""
-    truth = experiment.truths[case.label]
-    has_transitions = bool(truth.transitions)
-    bar = truth.error_bars[0] if has_transitions else truth.centre_bar if isfinite(truth.centre_bar) else 0.0
-    points_by_route = _error_points(experiment, case.label)
-    if not any(point.error > bar for points in points_by_route.values() for point in points):
+    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for row in points:
+        if row[work] > 0.0 and isfinite(row["error"]):
+            groups.setdefault((row["solver"], row["route"]), []).append(row)
+    if not groups:
         return None
-    figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
-    for (solver, route), points in points_by_route.items():
-        ladder = [p for p in points if not is_default(p.run)]
-        look, marker = looks.line(solver, route), looks.marker(solver, route)
-        ax.plot([p.steps for p in ladder], [p.error for p in ladder], **look)
-        ax.plot([], [], **look, marker=marker, markersize=6, label=f"{solver}, {route}")
-        for is_usable, hollow in product((True, False), (False, True)):  # one artist for marks of one look
-            marks = [(p.steps, p.error) for p in points if (usable(p.run), is_default(p.run)) == (is_usable, hollow)]
-            shape, face = marker if is_usable else "x", "white" if hollow else look["color"]
-            if marks:
-                ax.plot(
-                    *zip(*marks, strict=True), linestyle="", marker=shape, markersize=6, color=look["color"],
-                    markerfacecolor=face,
-                )  # fmt: skip
-    logarithmic(ax, "xy")
-    if bar > 0.0:
-        ax.axhspan(_SMALLEST / 10, bar, color="#eeeeee", zorder=0)
-        ax.axhline(bar, color=FAINT, linewidth=0.8)
-    low, high = ax.get_ylim()
-    ax.set_ylim(max(low, _SMALLEST / 3), high)
-    ax.set_xlabel("steps")
-    ax.set_ylabel("error of the first transition's time / s" if has_transitions else "largest error of the centre / m")
-    ax.set_title(case.label, loc="left", fontweight="bold")
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return figure
+    is_off, is_timed = quantity == "off", work == "call_s"
+    text = (lambda value: f"{percent(value)} off") if is_off else (lambda value: f"{value:.1e} s")
+    cost = seconds if is_timed else (lambda value: f"{number(value)} steps")
+    traces = []
+    for (solver, route), rows in groups.items():
+        hollow = frozenset(i for i, row in enumerate(rows) if str(row["setting"]).startswith("rung=defaults"))
+        ladder = [row for i, row in enumerate(rows) if i not in hollow]
+        name = f"{solver} {route}"
+        low, high = ([max(row["error"] + sign * row["doubt"], floor) for row in rows] for sign in (-1.0, 1.0))
+        tips = [f"{name}, {r['setting']}: {text(r['error'])} ± {text(r['doubt'])}, {cost(r[work])}" for r in rows]
+        line = [row[work] for row in ladder], [max(row["error"], floor) for row in ladder]
+        marks = [row[work] for row in rows], [row["error"] for row in rows]
+        traces += [Trace(solver, route, *line, label=name)] if ladder else []
+        label = "" if ladder else name
+        traces.append(Trace(solver, route, *marks, False, True, low, high, hollow, tips=tips, label=label))
+    least = max(floor, min(value for trace in traces for value in trace.y if isfinite(value)))
+    y = PlotAxis("off" if is_off else "error of the first transition / s", True, least, is_percent=is_off)
+    x = PlotAxis("CPU time of a whole call: build, run, read / s" if is_timed else "steps", is_log=True)
+    levels = tuple(level for level in LEVELS if level > least) if is_off else ()
+    words = (
+        "Lines: from coarse to fine. Hollow: default settings. Bars: what the samples leave in doubt. Arrows: smaller "
+        "than the axis." + (" Lines across: limits of the grades." if is_off else "")
+    )
+    return Diagram(
+        f"Error against {'cost' if is_timed else 'steps'} in {case}",
+        words,
+        ((Panel(x, y, tuple(traces), levels=levels),),),
+    )
 
 
-def _error_points(experiment: Experiment, label: str) -> dict[tuple[str, str], list[_Point]]:
-    """The settings of each route that have an error, except the truth itself."""
-    truth = experiment.truths[label]
-    points: dict[tuple[str, str], list[_Point]] = {}
-    for run in experiment.runs:
-        if run.case != label or run.outcome != "answered" or is_truth(run, truth):
-            continue
-        size = abs(first_error(run) if truth.transitions else run.distance.centre_max)
-        if isfinite(size):
-            points.setdefault((run.solver, run.route), []).append(_Point(run.cost.steps, max(size, _SMALLEST), run))
-    return points
+def against_steps(experiment: Experiment, case: Case) -> Diagram | None:
+    """Off against the number of steps of every setting of a case; not of the reference, whose steps are of another
+    kind. None if no setting has a motion."""
+    runs = [run for run in experiment.runs if run.case == case.label and run.score and run.solver != REFERENCE]
+    rows = [
+        {"solver": run.solver, "route": run.route, "setting": run.setting, "steps": run.cost.steps,
+         "error": run.score.off, "doubt": run.score.doubt}
+        for run in runs if run.score
+    ]  # fmt: skip
+    return against_cost(case.label, rows, "steps")
+
+
+def strip(offs: Mapping[Key, Mapping[str, SceneOffs]], address: Callable[[str], str]) -> Diagram | None:
+    """Every scene as a dot, for each engine with default settings and at the finest, and the medians; None without an
+    engine. `offs`: errors by route and scene; `address` of a scene. Full dots are scenes that all engines run."""
+    offs = {key: own for key, own in offs.items() if own}
+    if not offs:
+        return None
+    common = set.intersection(*(set(own) for own in offs.values()))
+    traces, medians = list[Trace](), list[tuple[str, str, float, float, str]]()
+    names = list[tuple[float, str]]()
+    for (solver, route), own in offs.items():
+        for words in ("default", "finest"):
+            values = {case: one.default if words == "default" else one.finest.off for case, one in own.items()}
+            pairs = sorted((off, case) for case, off in values.items() if isfinite(off))
+            if not pairs:
+                continue
+            row = -float(len(names))
+            names.append((row, f"{solver}, {words}"))
+            middle = median(off for off, _ in pairs)
+            medians.append((solver, route, middle, row, percent(middle)))
+            traces.append(
+                Trace(
+                    solver, route, [off for off, _ in pairs],
+                    [row + 0.025 * _HEIGHTS[i % len(_HEIGHTS)] for i in range(len(pairs))], False, True,
+                    pale=frozenset(i for i, (_, case) in enumerate(pairs) if case not in common),
+                    tips=[f"{case}: {percent(off)} off, {solver}, {words} settings" for off, case in pairs],
+                    links=[address(case) for _, case in pairs],
+                )
+            )  # fmt: skip
+    x = PlotAxis("off; 100 %: as bad as ignoring friction", True, LEAST_OFF, MOST_OFF, True)
+    y = PlotAxis(low=0.5 - len(names), high=0.5, names=tuple(names))
+    spans = tuple(
+        Span(low, high, "") for low, high in zip((LEAST_OFF, *LEVELS[::-1]), (*LEVELS[::-1], MOST_OFF), strict=True)
+    )
+    words = (
+        f"Off of each scene, and the median. Full dots: the {len(common)} scenes that all engines run. Arrows: beyond "
+        "the axis. A dot leads to its scene."
+    )
+    return Diagram("Every scene, one dot", words, ((Panel(x, y, tuple(traces), spans=spans, medians=tuple(medians)),),))

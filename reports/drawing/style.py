@@ -8,18 +8,15 @@ from matplotlib.colors import to_hex
 
 from cases.pictures.style import FAINT, STYLE
 
-from .colours import TRUTH as _TRUTH
-from .palette import LineStyles, logarithmic, looks_of
+from .colours import LineStyles
+from .palette import logarithmic
 
-__all__ = ["AREAS", "FAINT", "POINTS", "STYLE", "TRUTH", "LineStyles", "logarithmic", "looks_of", "ordinal"]
+__all__ = ["AREAS", "FAINT", "STYLE", "LineStyles", "logarithmic", "ordinal"]
 
 matplotlib.use("Agg")  # pictures are written to files without opening windows
 
-TRUTH = _TRUTH.light
 # Areas of a map, which are no solver's colours: paler than any line. Paul Tol's "light" scheme, for labelled areas.
 AREAS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
-# Points along a line: enough for a panel about 270 points wide, and few enough for a small page.
-POINTS = 80
 
 
 def ordinal(count: int) -> list[str]:

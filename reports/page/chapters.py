@@ -1,4 +1,4 @@
-"""Data for the templates of cases and data: cases by family, all cases in one table, failures, provenance."""
+"""Data for the templates of cases and data: cases by family, failures, provenance."""
 
 from __future__ import annotations
 
@@ -9,15 +9,11 @@ from typing import TYPE_CHECKING, Any
 import cases as catalogue
 from cases import Case
 
-from ..analysis import verdict
-from ..analysis.work_precision import groups
-from ..drawing.figure_files import short_digest
 from ..judging.grades import Grade
-from ..running.names import REFERENCE
-from ..running.records import Experiment, finest, routes
+from ..running.records import Experiment
 from ..running.solvers import NOT_INSTALLED
-from . import case_tables, motions
-from .fragments import command_of, records, short_percent, switch
+from . import motions
+from .fragments import anchor, command_of, records, switch
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,13 +27,6 @@ _FAILURES = (Grade.UNUSABLE, "crashed", "timed_out", "unsupported", NOT_INSTALLE
 _NAMED_CASES = 3
 
 
-def anchor(label: str) -> str:
-    """The HTML anchor of a case on the page; with a digest of the label where characters of it are replaced, so that no
-    two cases have the same."""
-    readable = "".join(c if c.isalnum() or c == "_" else "-" for c in label)
-    return f"case-{readable}" if readable == label else f"case-{readable.strip('-')}-{short_digest(label)}"
-
-
 def case_summary(case: Case | None) -> str:
     """The first line of a case function's docstring; empty for a case that is not in the catalogue."""
     return catalogue.entry(case.name).summary.replace("`", "") if case and case.name in catalogue.names() else ""
@@ -45,20 +34,14 @@ def case_summary(case: Case | None) -> str:
 
 def cases(
     experiment: Experiment,
-    frames: Mapping[str, pd.DataFrame],
     manifest: dict[str, Any],
     moving: set[str],
 ) -> dict[str, Any]:
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
-    tables = {name: groups(records(frames[name]), "case") for name in ("transitions", "truth", "impacts")}
-    finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
-        runs = [run for run in finest_runs if run.case == label]
-        settings = {(run.solver, run.route): str(run.setting) for run in runs}
-        rows = {name: by_case.get((label,), []) for name, by_case in tables.items()}
         truth = experiment.truths[label]
         entry = {
             "label": label,
@@ -67,8 +50,6 @@ def cases(
             "words": f"{label} {family} {case_summary(case)}".lower(),
             "failure": truth.failure,
             "moving": label in moving,
-            "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
-            "impacts": case_tables.impacts(rows["impacts"], settings),
         }
         entries.append(entry)
         families.setdefault(family, []).append(entry)
@@ -76,48 +57,6 @@ def cases(
         "cases": entries,
         "families": list(families.items()),
         "case_command": command_of("NAME", manifest),
-    }
-
-
-def headline(experiment: Experiment, frame: pd.DataFrame) -> dict[str, Any]:
-    """All cases against all engines: off with default settings and at the finest setting run, and what 1 % of friction
-    makes."""
-    exclusions = verdict.exclusions(experiment)
-    sensitivity = {label: truth.friction_sensitivity for label, truth in experiment.truths.items()}
-    rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
-    solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
-    return {
-        "routes": [{"solver": solver, "route": route} for solver, route in solver_routes],
-        "rows": [
-            {
-                "case": case,
-                "anchor": anchor(case),
-                "exclusion": exclusions.get(case, ""),
-                "sensitivity": short_percent(sensitivity[case]) if isfinite(sensitivity[case]) else "",
-                "order": repr(sensitivity[case]) if isfinite(sensitivity[case]) else "1e308",
-                "cells": [
-                    _cell(rows.get((case, *route_key)), *route_key, which)
-                    for route_key in solver_routes
-                    for which in ("default", "finest")
-                ],
-            }
-            for case in dict.fromkeys(key[0] for key in rows)
-        ],
-    }
-
-
-def _cell(row: dict[str, Any] | None, solver: str, route: str, which: str) -> dict[str, Any]:
-    """A cell's text, grade, and the number by which it is sorted: off with these settings."""
-    cell: dict[str, Any] = {"solver": solver, "route": route, "text": "", "grade": "", "order": "1e308"}
-    if row is None:
-        return cell
-    off = row[f"{which}_off"]
-    if not isfinite(off):
-        return cell | {"text": "–" if which == "finest" else "", "grade": "none"}
-    return cell | {
-        "text": short_percent(off),
-        "grade": str(row[f"{which}_grade"]).replace(" ", "-"),
-        "order": repr(float(off)),
     }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..analysis import cost_conclusions
@@ -12,10 +11,11 @@ from ..analysis.levels import ONE_SETTING
 from ..analysis.number_format import seconds, times
 from ..analysis.time_to_accuracy import WITH_TIMES, cost
 from ..analysis.work_precision import CostMeasurements, groups
-from ..drawing.figure_files import FigureEntry
+from ..drawing.colours import LineStyles
+from ..drawing.figures import LEAST_OFF, against_cost
 from ..judging.grades import LEVELS, percent
 from ..running.names import REFERENCE
-from .fragments import picture, records, switch, table
+from .fragments import figure_of, records, switch
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,15 +23,12 @@ if TYPE_CHECKING:
 # Parts of a warm run, with the headings of their columns.
 _PARTS = {"cpu_s": "run, warm", "engine_s": "engine", "binding_s": "binding", "callback_s": "our callback",
           "notes_s": "our recording"}  # fmt: skip
-# Columns of the fits that the page leaves out.
-_OMITTED_COLUMNS = ("settings_used", "settings", "finest_error", "version")
 
 
 def section(
     measurements: CostMeasurements,
     frames: Mapping[str, pd.DataFrame],
-    figure_entries: Sequence[FigureEntry],
-    figures: Path,
+    looks: LineStyles,
 ) -> dict[str, Any] | None:
     """Data for the chapter's template; None if nothing was timed."""
     if not measurements.cases:
@@ -40,8 +37,6 @@ def section(
         records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
     )
     headline = cost_conclusions.headline(answers, time_rows)
-    fits = frames["convergence"]
-    fits = fits[(fits["quantity"] == "off") & fits["case"].isin(measurements.cases)] if len(fits) else fits
     return {
         "first": headline.first,
         "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
@@ -50,19 +45,20 @@ def section(
         "calls": _calls(time_rows),
         "failed": list(measurements.failures.items()),
         "levels": _levels(time_rows),
-        # The plot of all settings replaces these figures.
-        "pictures": [
-            picture(d, figures, inside=not d.case) | ({"short": d.case} if d.case else {})
-            for d in figure_entries
-            if d.name.startswith("work_prec")
-        ],
-        "fits": table(fits, _name(fits), file="convergence"),
-        "nulls": table(frames["null_scores"], _name(frames["null_scores"]), file="null_scores"),
+        "charts": [chart for case in measurements.cases for chart in _charts(case, points, looks)],
     }
 
 
-def _name(frame: pd.DataFrame) -> dict[str, str]:
-    return {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in _OMITTED_COLUMNS}
+def _charts(case: str, points: Sequence[dict[str, Any]], looks: LineStyles) -> list[dict[str, Any]]:
+    """Off and the error of the first transition against the time of every setting of a case."""
+    charts = []
+    for quantity in ("off", "first_transition_time"):
+        own = [row for row in points if (row["case"], row["quantity"]) == (case, quantity)]
+        rows = [row | {"error": row["absolute_error"]} for row in own]
+        floor = max([LEAST_OFF if quantity == "off" else 0.0, *(row["floor_error"] for row in rows)])
+        chart = figure_of(against_cost(case, rows, quantity=quantity, floor=floor), looks, 300.0)
+        charts += [chart] if chart else []
+    return charts
 
 
 def _calls(time_rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

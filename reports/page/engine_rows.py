@@ -10,16 +10,17 @@ from typing import Any
 from ..analysis import verdict, verdict_text
 from ..analysis.number_format import number, seconds
 from ..analysis.verdict_text import off_text
+from ..drawing.colours import identifier
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import Experiment, Run, default, gives_motion, routes
-from .fragments import identifier
-from .off_chart import CALL
 
 # What the parameters of settings are, and their units.
 _NAMES = {
     "h": "step", "facets": "facets", "k": "stiffness", "vreg": "regularised slip velocity", "iterations": "iterations",
 }  # fmt: skip
 _UNITS = {"k": " N/m", "vreg": " m/s"}
+# Fewest settings of a ladder that says what to change.
+_LADDER = 3
 _GOOD = LIMITS[Grade.GOOD]
 
 
@@ -38,7 +39,8 @@ def engine_rows(
         key = row["solver"], row["route"]
         if not verdict.is_engine(row):
             continue
-        times = {str(t["setting"]): t[CALL] for t in timings if (t["case"], t["solver"], t["route"]) == (case, *key)}
+        own = [t for t in timings if (t["case"], t["solver"], t["route"]) == (case, *key)]
+        times = {str(t["setting"]): t["call_s"] for t in own}
         usual, coarsest = _settings(groups.get((case, *key), ()))
         rows.append(
             {
@@ -53,17 +55,32 @@ def engine_rows(
     return rows
 
 
+def changes(experiment: Experiment, verdicts: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[dict[str, str]]]]:
+    """What to change for 1 %, engine by engine, in each scene with a whole ladder."""
+    groups, result = routes(experiment.runs), []
+    for case in experiment.cases:
+        sentences = []
+        for row in verdicts:
+            group = groups.get((case.label, row["solver"], row["route"]), ())
+            has_ladder = verdict.is_engine(row) and sum(map(gives_motion, group)) >= _LADDER
+            if has_ladder and (text := _so(row["solver"], *_settings(group))):
+                sentences.append({"solver": row["solver"], "route": row["route"], "text": text})
+        if sentences:
+            result.append((case.label, sentences))
+    return result
+
+
 def _cells(row: Mapping[str, Any], scenes: Sequence[verdict.SceneOffs]) -> dict[str, tuple[str, str]]:
     """Main text and small text by heading."""
     usual = [one.default for one in scenes if isfinite(one.default)]
     many = sum(off > LIMITS[Grade.ROUGH] for off in usual)
     far = f"more than {percent(LIMITS[Grade.ROUGH])} in {many} of {len(usual)} scenes" if usual else ""
     return {
-        "usual settings": (f"{_median(usual)} off", far),
+        "default settings": (f"{_median(usual)} off", far),
         "finest settings": (_median([one.finest.off for one in scenes]), ""),
-        "scenes it runs": verdict_text.cells(row)["answered"],
+        "scenes it runs": (verdict_text.cells(row)["answers"], f"{verdict_text.confirmed(row, 'good')} within 1 %"),
         f"the {row['common_cases']} scenes that all run": (
-            f"{off_text(row['common_default_off'])} usual", f"{off_text(row['common_finest_off'])} finest",
+            f"{off_text(row['common_default_off'])} default", f"{off_text(row['common_finest_off'])} finest",
         ),
     }  # fmt: skip
 
@@ -91,7 +108,7 @@ def _so(solver: str, usual: Run | None, coarsest: Run | None) -> str:
     if usual is None or usual.score is None:
         return ""
     if usual.score.off + usual.score.doubt <= _GOOD:
-        return f"{solver}'s usual settings are within 1 %."
+        return f"{solver}'s default settings are within 1 %."
     if coarsest is None:
         return f"{solver} does not come within 1 % with the settings tried."
     before, after = dict(usual.setting.values), dict(coarsest.setting.values)
@@ -100,9 +117,9 @@ def _so(solver: str, usual: Run | None, coarsest: Run | None) -> str:
         for name, value in before.items()
         if name in _NAMES and name in after and after[name] != value
     ]
-    return (
-        f"{solver} needs {_list(changes)} for 1 % ({percent(usual.score.off)} with usual settings)." if changes else ""
-    )
+    if not changes:
+        return ""
+    return f"{solver} needs {_list(changes)} for 1 % ({percent(usual.score.off)} with default settings)."
 
 
 def _words(values: Mapping[str, Any]) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reference.certification import PROVED
@@ -12,10 +11,8 @@ from reference.proofs import catalogue
 from reference.proofs.record import DecimalInterval, Proof, ProvedTransition
 
 from .. import studies
-from ..drawing.figure_files import FigureEntry
 from ..running.records import Experiment, Truth
-from .chapters import anchor
-from .fragments import picture, table
+from .fragments import anchor, table
 
 if TYPE_CHECKING:
     from ..studies import Result
@@ -85,8 +82,10 @@ def on_request(results: Sequence[Result]) -> list[str]:
     return [name for name in studies.names() if name not in made]
 
 
-def study(result: Result, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
-    """Data of a study for its template: question, pictures and tables, or the reason why it failed."""
+def study(result: Result) -> dict[str, Any]:
+    """Data of a study for its template: question, texts of its scenes and tables, or the reason why it failed."""
+    in_words = getattr(result.study, "in_words", None)
+    texts = in_words(result.findings) if in_words and not result.failure else {}
     tables = [
         {"name": name, "holds": result.words[name].holds}
         | table(frame, {str(c): str(c).replace("_", " ") for c in frame.columns if c != "version"},
@@ -99,6 +98,7 @@ def study(result: Result, figure_entries: Sequence[FigureEntry], figures: Path) 
         "question": result.study.QUESTION,
         "failure": result.failure,
         "command": result.command,
-        "pictures": [picture(d, figures) for d in figure_entries],
+        "tab": result.study.TAB,
+        "texts": list(texts.items()),
         "tables": tables,
     }

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
 
 from ..analysis import tables
 from ..analysis.columns import unit_of
-from ..drawing.figure_files import FigureEntry
+from ..drawing import svg_writer
+from ..drawing.colours import LineStyles
+from ..drawing.figure_files import short_digest
+from ..drawing.traces import Diagram
 from ..judging.grades import Grade
 from ..running.names import REFERENCE
 from .text import shorten
@@ -57,31 +59,19 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
     return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
 
 
-def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, Any]:
-    """Data of a figure for its template; its source is a data URI, or the file's path if not `inside` the page."""
-    data = {
-        "name": entry.name,
-        "title": entry.title,
-        "caption": entry.caption,
-        "failure": not entry.name,
-        "inside": inside,
-    }
-    if entry.name:
-        data["short"] = entry.title
-        data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
-        file = folder / f"{entry.name}.svg"
-        data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
-    return data
+def anchor(label: str) -> str:
+    """The HTML anchor of a case on the page; with a digest of the label where characters of it are replaced, so that no
+    two cases have the same."""
+    readable = "".join(c if c.isalnum() or c == "_" else "-" for c in label)
+    return f"case-{readable}" if readable == label else f"case-{readable.strip('-')}-{short_digest(label)}"
 
 
-# Characters with a meaning in a URI or an HTML attribute. Escaping only these keeps a picture a quarter smaller than
-# base64 does.
-_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "%22", "\n": " ", "<": "%3C", ">": "%3E"})
-
-
-def _address(svg: str) -> str:
-    """The picture as a data URI."""
-    return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
+def figure_of(diagram: Diagram | None, looks: LineStyles, height: float = 210.0) -> dict[str, Any] | None:
+    """Data of a figure for its template; None for none."""
+    if diagram is None:
+        return None
+    words = {"title": diagram.title, "caption": diagram.caption}
+    return words | {"svg": svg_writer.svg(diagram, looks, height)}
 
 
 def table(
@@ -154,11 +144,6 @@ def short_percent(off: float) -> str:
 def switch(solver: str, route: str) -> str:
     """The route if the page has a switch for it, otherwise ""; the reference's methods have none."""
     return "" if solver == REFERENCE else route
-
-
-def identifier(name: str) -> str:
-    """A solver's name with only the characters that a CSS identifier allows."""
-    return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)
 
 
 def _is_number(text: str) -> bool:

@@ -1,23 +1,22 @@
-"""The first screen of the page: the verdict, the map of engines and cases, off against cost, a motion."""
+"""The first screen of the page: engines, what to change, all scenes, error against cost, a motion, the verdict."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import verdict, verdict_text
+from ..analysis import verdict
+from ..drawing import figures
+from ..drawing.colours import LineStyles
 from ..running.ladder_selection import ladder_case
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, routes
 from ..running.solvers import missing_words
-from .chapters import anchor, case_summary
-from .engine_rows import engine_rows
-from .fragments import identifier, records
-from .grade_map import engine_map
-from .off_chart import off_chart
-from .strip_plot import strip_plot
+from .case_matrix import matrix
+from .chapters import case_summary
+from .engine_rows import changes, engine_rows
+from .fragments import anchor, figure_of, records
 from .text import lost_text
 
 if TYPE_CHECKING:
@@ -29,24 +28,24 @@ def screen(
     frames: Mapping[str, pd.DataFrame],
     moving: Sequence[Mapping[str, Any]],
     manifest: Mapping[str, Any],
+    looks: LineStyles,
 ) -> dict[str, Any]:
     """Data for the template of the first screen."""
     verdicts = records(frames["verdict"])
     offs = verdict.scenes(experiment)
-    rows = [_row(row, offs.get((row["solver"], row["route"]), {})) for row in verdicts]
     hero = ladder_case(experiment.cases)
     film = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
     case = next((c for c in experiment.cases if film and c.label == film["label"]), None)
-    exclusions = verdict.exclusions(experiment)
+    keys = [(row["solver"], row["route"]) for row in verdicts]
+    own = {key: offs[key] for key, row in zip(keys, verdicts, strict=True) if verdict.is_engine(row)}
     timings = records(frames["work_precision"]) if "work_precision" in frames else []
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
         "compared": _comparison(experiment),
         "measure": _measure(experiment),
+        "changes": changes(experiment, verdicts),
         "rows": engine_rows(experiment, verdicts, offs, timings, cost_case),
-        "strip": strip_plot(verdicts, offs),
-        "sentence": verdict_text.sentence(verdicts, records(frames["pairs"])),
-        "lead": verdict_text.LEAD,
+        "strip": figure_of(figures.strip(own, lambda label: f"#{anchor(label)}"), looks, 68.0 * len(own) + 56.0),
         "friction": verdict.cost_of_friction(
             [experiment.truths[label].friction_sensitivity for label in verdict.friction_cases(experiment)]
         ),
@@ -54,18 +53,31 @@ def screen(
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
         ],
-        "engines": [row for row in rows if not row["our_part"]],
-        "partly_ours": [row for row in rows if row["our_part"]],
-        "map": engine_map(experiment, [(row["solver"], row["route"]) for row in verdicts], exclusions),
-        "is_ours": {(row["solver"], row["route"]) for row in verdicts if row["our_part"]},
-        "chart": off_chart(cost_case, records(frames["trajectories"]), timings),
-        "friction_cases": len(experiment.truths) - len(exclusions),
+        "matrix": matrix(experiment, keys),
+        "chart": _chart(experiment, timings, cost_case, looks),
         "cost_case": cost_case,
         "anchor": anchor,
         "hero": film and {"label": film["label"], "anchor": anchor(film["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
     }
+
+
+def _chart(
+    experiment: Experiment, timings: Sequence[Mapping[str, Any]], label: str, looks: LineStyles
+) -> dict[str, Any] | None:
+    """Off against cost of every setting of a case, or against steps where nothing was timed; says how many settings
+    were not timed."""
+    own = [row for row in timings if (row["case"], row["quantity"]) == (label, "off")]
+    rows = [{**row, "error": row["absolute_error"]} for row in own]
+    if not any(isfinite(row["call_s"]) for row in rows):
+        case = next((case for case in experiment.cases if case.label == label), None)
+        return figure_of(figures.against_steps(experiment, case) if case else None, looks, 300.0)
+    chart = figure_of(figures.against_cost(label, rows), looks, 300.0)
+    missing = sum(not isfinite(row["call_s"]) for row in rows)
+    if chart and missing:
+        chart["caption"] += f" Not timed: {missing} settings."
+    return chart
 
 
 def _comparison(experiment: Experiment) -> str:
@@ -93,29 +105,3 @@ def _measure(experiment: Experiment) -> str:
 def is_of_an_engine(run: Run) -> bool:
     """Whether a run is a motion of an engine, not of the reference."""
     return run.solver != REFERENCE and run.score is not None
-
-
-def _row(row: Mapping[str, Any], offs: Mapping[str, verdict.SceneOffs]) -> dict[str, Any]:
-    """A row of the verdict; rows of engines carry their errors of each case, from which the page's sentence is made."""
-    return {
-        "solver": row["solver"],
-        "route": row["route"],
-        "id": identifier(row["solver"]),
-        "our_part": row["our_part"],
-        "scenes": json.dumps(_numbers(offs)) if verdict.is_engine(row) else "",
-        "cells": [
-            {"head": head, "text": text, "small": small} for head, (text, small) in verdict_text.cells(row).items()
-        ],
-    }
-
-
-def _numbers(offs: Mapping[str, verdict.SceneOffs]) -> dict[str, tuple[float | None, float, float]]:
-    """Of each case off with default settings (None: unknown), off and its doubt at the finest setting, to 6 digits."""
-    return {
-        case: (
-            float(f"{own.default:.6g}") if isfinite(own.default) else None,
-            float(f"{own.finest.off:.6g}"),
-            float(f"{own.finest.doubt:.6g}"),
-        )
-        for case, own in offs.items()
-    }

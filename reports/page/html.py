@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..analysis.work_precision import CostMeasurements
-from ..drawing.colours import GRADES, colours
+from ..drawing.colours import GRADES, LineStyles, colours, identifier
 from ..drawing.figure_files import FigureEntry
+from ..drawing.figures import headline, looks_of
 from ..judging.grades import LIMITS, percent
 from ..running.names import REFERENCE
 from ..running.records import TRUTH_RTOL, Experiment
 from . import chapters, cost, evidence, front_page, vendor
+from .fragments import anchor, environment, figure_of, table
 from .fragments import command_of as command_of
-from .fragments import environment, identifier, picture, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,9 +30,12 @@ if TYPE_CHECKING:
 
 _STATIC = Path(__file__).parent / "static"
 # In order of their dependencies.
-_SCRIPTS = ("state.js", "player.js", "plots.js", "precision.js", "tables.js", "chapters.js")
+_SCRIPTS = ("state.js", "player.js", "plots.js", "tables.js", "case_tables.js", "chapters.js")
 _LIBRARIES = ("uplot.min.js", "datatables.min.js")
-_TABS = {"answer": "Answer", "cases": "Cases", "cost": "Cost", "evidence": "Evidence", "data": "Data"}
+_TABS = {
+    "answer": "Answer", "cases": "Cases", "cost": "Cost", "evidence": "How we know", "errors": "Why engines err",
+    "data": "Data",
+}  # fmt: skip
 
 
 def render(
@@ -41,18 +45,17 @@ def render(
     words: Mapping[str, Table],
     figure_entries: Sequence[FigureEntry],
     results: Sequence[Result],
-    of_studies: Mapping[str, Sequence[FigureEntry]],
     moving: Sequence[dict[str, Any]],
-    figures: Path,
+    folder: Path,
     manifest: dict[str, Any],
 ) -> str:
     """Return the page as HTML text.
 
-    `words`: descriptions of each table; `of_studies`: the studies' pictures by name; `moving`: motions for the player;
-    `figures`: folder of the SVG files; `manifest`: as written next to the page.
+    `words`: descriptions of each table; `figure_entries`: the figures that are files; `moving`: motions for the player;
+    `folder`: that of the report; `manifest`: as written next to the page.
     """
     command = manifest["command"]
-    solvers = _solvers(experiment)
+    solvers, looks = _solvers(experiment), looks_of(experiment)
     parts = {
         "command": command,
         "style": Markup(_style(solvers)),
@@ -60,21 +63,16 @@ def render(
         "chapters": [{"id": place, "name": name} for place, name in _TABS.items()],
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
-        **front_page.screen(experiment, frames, moving, manifest),
-        **chapters.cases(experiment, frames, manifest, {motion["label"] for motion in moving}),
-        "headline": chapters.headline(experiment, frames["headline"]),
-        "slip": _slip_figure(figure_entries, figures),
-        "cost": cost.section(measurements, frames, figure_entries, figures),
-        "has_points": "work_precision" in frames,
-        "precision_command": " ".join(["python -m reports.build", manifest["options"]]).strip(),
+        **front_page.screen(experiment, frames, moving, manifest, looks),
+        **chapters.cases(experiment, manifest, {motion["label"] for motion in moving}),
+        "slip": _slip(experiment, figure_entries, looks),
+        "cost": cost.section(measurements, frames, looks),
         "proofs": evidence.proofs(experiment),
-        "studies": [evidence.study(result, of_studies[result.name], figures) for result in results],
+        "studies": [evidence.study(result) for result in results],
         "on_request": evidence.on_request(results),
         "failures": chapters.failures(frames["trajectories"]),
         "tables": [_data_table(name, frame, words[name]) for name, frame in frames.items()],
-        "files": [
-            {"name": name, "data": Markup(_packed(figures.parent / "tables" / f"{name}.csv"))} for name in frames
-        ],
+        "files": [{"name": name, "data": Markup(_packed(folder / "tables" / f"{name}.csv"))} for name in frames],
         "made": chapters.provenance(manifest),
         "vendored": vendor.libraries(),
         "motions": [{"label": motion["label"], "data": Markup(_json(motion))} for motion in moving],
@@ -85,12 +83,16 @@ def render(
     return environment().get_template("page.html").render(parts)
 
 
-def _slip_figure(figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any] | None:
-    """The figure of the slip velocity in one scene, for the first screen; None if it was not drawn."""
-    entry = next((one for one in figure_entries if one.name == "headline"), None)
+def _slip(experiment: Experiment, figure_entries: Sequence[FigureEntry], looks: LineStyles) -> dict[str, Any] | None:
+    """The slip velocity in one scene, or why its figure could not be drawn; None without one."""
+    entry = next(iter(figure_entries), None)
     if entry is None:
         return None
-    return picture(entry, figures) | {"label": entry.case, "anchor": chapters.anchor(entry.case)}
+    where = {"label": entry.case, "anchor": anchor(entry.case)}
+    if not entry.name:
+        return where | {"failure": entry.caption}
+    case = next(case for case in experiment.cases if case.label == entry.case)
+    return where | {"failure": ""} | (figure_of(headline(experiment, case), looks, 230.0) or {})
 
 
 def _solvers(experiment: Experiment) -> list[dict[str, str]]:

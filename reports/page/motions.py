@@ -27,7 +27,7 @@ from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, Truth, default, routes
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
-SAMPLES = 401
+SAMPLES = 301
 # The samples include the exact times of at most this many transitions, spread over all of them.
 _EXACT = 120
 TRUE = ("x", "y", "theta", "slip", "xi1", "normal_force", "friction_force")

@@ -1,55 +1,36 @@
-"""All figures of a report, drawn in parallel workers: the headline, timings, studies."""
+"""The figure of a report that is a file: the slip velocity of all engines in one scene."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from cases import Case
 
-from ..analysis.work_precision import CostMeasurements
 from ..drawing.figure_files import FigureEntry, for_print, writes_pdf
 from ..running.calls import Calls
 from ..running.ladder_selection import PAPER_CASE
 from ..running.processes.worker_process import settle
 from ..running.records import Experiment, usable
-from ..studies import Result, study
 
-# Wall-clock limit in seconds for the figures of one study or of all timings. The latter take about 6 s, longer on a
-# busy machine.
+# Wall-clock limit in seconds; drawing takes about 2 s, longer on a busy machine.
 _PATIENCE = 300.0
-_HEADLINE, _TIMINGS = "headline", "timings"
+HEADLINE = "headline"
 
 
-def draw(
-    experiment: Experiment,
-    ran: Experiment,
-    measurements: CostMeasurements,
-    results: Sequence[Result],
-    folder: Path,
-    calls: Calls,
-) -> tuple[list[FigureEntry], dict[str, list[FigureEntry]]]:
-    """Write every figure to the folder; returns the headline and those of timings, and those of each study by name.
-
-    Figures that fail have one entry with the reason, so that a failed picture does not discard hours of runs."""
+def draw(experiment: Experiment, folder: Path, calls: Calls) -> list[FigureEntry]:
+    """Write the headline to the folder, in a worker. If it fails its entry has the reason: a failed picture must not
+    discard hours of runs. No entry without a case that has a transition."""
     folder.mkdir(parents=True, exist_ok=True)
-    inputs: dict[str, tuple] = {}
-    if main := headline_case(experiment):
-        inputs[_HEADLINE] = main, _without_samples(experiment, but=main.label)
-    inputs |= {_TIMINGS: (_without_samples(ran), measurements)} if measurements.cases else {}
-    inputs |= {result.name: (result.findings,) for result in results if not result.failure}
-    requests = [(name, folder, writes_pdf(), *records) for name, records in inputs.items()]
-    answers = calls.all("figures", draw_figures, requests, limit=_PATIENCE, group="")
-    entries = {
-        name: answer.value
-        if answer.outcome == "done"
-        else [FigureEntry("", "", "Pictures", f"They could not be drawn: {answer.failure[1]}")]
-        for name, answer in zip(inputs, answers, strict=True)
-    }
-    by_study = {result.name: entries.get(result.name, []) for result in results}
-    return [*entries.get(_HEADLINE, []), *entries.get(_TIMINGS, [])], by_study
+    case = headline_case(experiment)
+    if case is None:
+        return []
+    runs = tuple(replace(run, samples={}) for run in experiment.runs if run.case == case.label)
+    sample = replace(experiment, cases=(case,), truths={case.label: experiment.truths[case.label]}, runs=runs)
+    (answer,) = calls.all("figures", draw_headline, [(sample, folder, writes_pdf())], limit=_PATIENCE, group="")
+    if answer.outcome == "done":
+        return [answer.value]
+    return [FigureEntry("", case.label, "Picture", f"It could not be drawn: {answer.failure[1]}")]
 
 
 def headline_case(experiment: Experiment) -> Case | None:
@@ -69,22 +50,16 @@ def headline_case(experiment: Experiment) -> Case | None:
     return max(having, key=worth, default=None)
 
 
-def _without_samples(experiment: Experiment, but: str = "") -> Experiment:
-    """The experiment without the samples that a figure does not show, so that they are not sent to the worker; `but`:
-    the case whose samples stay."""
-    runs = (run if run.case == but else replace(run, samples={}, off={}) for run in experiment.runs)
-    return replace(experiment, runs=tuple(runs))
+def draw_headline(experiment: Experiment, folder: Path, paper: bool) -> FigureEntry:
+    """Write the headline of an experiment of one case, also as PNG; `paper`: also as PDF."""
+    settle(HEADLINE)
+    from cases.pictures.style import apply_style
 
+    from ..drawing import figures, matplotlib_writer
+    from ..drawing.figure_files import save
 
-def draw_figures(name: str, folder: Path, paper: bool, *inputs: Any) -> list[FigureEntry]:
-    """Write the headline, figures of timings, or those of a study, in a worker; `paper`: also as PDF."""
-    settle(name)
-    function: Callable[..., Iterable[FigureEntry]]
-    if name == _HEADLINE:
-        from ..drawing.figures import draw_headline as function
-    elif name == _TIMINGS:
-        from ..drawing.work_precision_figure import draw as function
-    else:
-        function = study(name).draw
-    with for_print(paper):
-        return list(function(*inputs, folder))
+    (case,) = experiment.cases
+    diagram = figures.headline(experiment, case)
+    with for_print(paper), apply_style():
+        picture = matplotlib_writer.draw(diagram, figures.looks_of(experiment))
+        return save(picture, folder, HEADLINE, case.label, diagram.title, diagram.caption, png=True)

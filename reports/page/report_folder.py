@@ -21,7 +21,7 @@ def of_report(path: Path, kind: str = "report") -> OwnedFolder:
 
 def of_history(path: Path) -> OwnedFolder:
     """The folder of the history of engines."""
-    return OwnedFolder(path, "history", (PAGE, MANIFEST, HISTORY, "tables/*"), (PAGE, MANIFEST))
+    return OwnedFolder(path, "history", (MANIFEST, HISTORY, "tables/*"), (MANIFEST, HISTORY))
 
 
 def of_study(path: Path) -> OwnedFolder:

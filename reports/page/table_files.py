@@ -32,19 +32,15 @@ def write(
     the solvers."""
     output = Tables({}, {})
 
-    def add(frames: Mapping[str, pd.DataFrame], words: Callable[[str], Table], command: str) -> None:
+    def add(frames: Mapping[str, pd.DataFrame], words: Callable[[str], Table]) -> None:
         complete = {name: with_short_numbers(with_version(frame, versions)) for name, frame in frames.items()}
         output.frames.update(complete)
         output.words.update({name: words(name) for name in complete})
-        text.write(complete, output.words, folder, command)
+        text.write(complete, folder)
 
-    add(
-        frames(results),
-        lambda name: describe_column(TABLES[name].holds, map(str, output.frames[name].columns)),
-        command,
-    )
+    add(frames(results), lambda name: describe_column(TABLES[name].holds, map(str, output.frames[name].columns)))
     for result in study_results:
-        add(result.frames, result.words.__getitem__, result.command)
+        add(result.frames, result.words.__getitem__)
     dictionary.write(output.frames, output.words, folder, command)
     return output
 

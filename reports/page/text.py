@@ -1,4 +1,4 @@
-"""Tables as files of comma-separated values and Markdown, and numbers rounded for reading."""
+"""Tables as files of comma-separated values, and numbers rounded for reading."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from cases.errors import printable
 
-from ..analysis.columns import Table, infinite
+from ..analysis.columns import infinite
 from ..analysis.number_format import level, number
 
 if TYPE_CHECKING:
@@ -32,32 +32,23 @@ def lost_text(lost_calls: Sequence[str]) -> str:
     return f"{count} ended from outside twice ({lost_calls[0]}); run the same command again to complete the report"
 
 
-def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
-    """Write each table as NAME.csv (all rows, all digits) and NAME.md (first rows, descriptions of the columns, and the
-    command that reproduces it); returns the files.
-
-    Raises ValueError for an infinite result.
-    """
+def write(tables: Mapping[str, pd.DataFrame], folder: Path) -> list[Path]:
+    """Write each table as NAME.csv, with all rows and digits; returns the files. Raises ValueError for an infinite
+    result."""
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, frame in tables.items():
-        files += [folder / f"{name}.csv", folder / f"{name}.md"]
+        files.append(folder / f"{name}.csv")
         if infinite(frame):
             raise ValueError(
                 f"the table {name} has an infinite result in {', '.join(infinite(frame))}; use a word instead"
             )
-        inert(frame).to_csv(files[-2], index=False, errors="backslashreplace")
-        meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
-        text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
-        files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")
+        inert(frame).to_csv(files[-1], index=False, errors="backslashreplace")
     return files
 
 
 # Text that a spreadsheet reads as a formula, with the white space that it skips.
 _FORMULA = re.compile(r"\s*[=+\-@]")
-# What a Markdown renderer may read as HTML, as a link or an image, or as an address; and how it is written as text.
-_ACTIVE = re.compile(r"<(?=[A-Za-z/!?])|\](?=[(\[:])|(?<=:)/(?=/)|(?<=www)\.", re.IGNORECASE)
-_INERT = {"<": "&lt;", "]": "&#93;", "/": "&#47;", ".": "&#46;"}
 
 
 def inert(frame: pd.DataFrame) -> pd.DataFrame:
@@ -78,36 +69,6 @@ def _inert(value: Any) -> Any:
     except ValueError:
         return f"'{value}"
     return value
-
-
-# Limits of a Markdown table: rows, and characters of a cell. The CSV file next to it has everything.
-TOP_ROWS, _CELL = 20, 60
-
-
-def top(name: str, frame: pd.DataFrame) -> str:
-    """The first rows of a table as Markdown, with a link to the complete file."""
-    more = len(frame) - TOP_ROWS
-    rest = f"\n\nThe first {TOP_ROWS} of {len(frame)} rows; all of them: [{name}.csv]({name}.csv)." if more > 0 else ""
-    return markdown(frame.head(TOP_ROWS)) + rest
-
-
-def markdown(frame: pd.DataFrame) -> str:
-    """The table as a Markdown pipe table; numbers and long texts are shortened."""
-    if frame.empty:
-        return "No rows."
-    columns = [str(column) for column in frame.columns]
-    rows = [[_cell(row[c], c) for c in columns] for row in frame.to_dict("records")]
-    # Without padding, which only a terminal needs.
-    return "\n".join(f"| {' | '.join(line)} |" for line in (columns, ["---"] * len(columns), *rows))
-
-
-def _clip(text: str) -> str:
-    return text if len(text) <= _CELL else f"{text[: _CELL - 1].rstrip()}…"
-
-
-def _cell(value: Any, column: str) -> str:
-    text = " ".join(printable(_clip(shorten(value, column))).split())
-    return _ACTIVE.sub(lambda active: _INERT[active[0]], text.replace("|", "\\|"))
 
 
 def plain(frame: pd.DataFrame) -> str:

@@ -5,12 +5,13 @@ A study is a module (in a folder: its `study.py`) with
     TITLE, QUESTION     its title and question on the page
     TABLES              by name, the content of each table and the meaning of each of its columns (`Table`)
     TAKES               the options it accepts, of "case" and "solver": a study may have its own scenes or contestants
+    TAB                 the tab of the page: "evidence" (how we know) or "errors" (why engines err)
     IN_REPORT           whether a report includes it
     run(request, calls)     returns the findings; its runs are those of `running.experiment.run_cases`, with settings,
                             cases and truths of its own, and a failure is a row
     rows(findings)          returns the rows of each table
-    draw(findings, folder)  writes the figures and yields their entries
     summary(findings)       optional: text for the terminal instead of the tables
+    in_words(findings)      optional: a text for each scene on the page
 """
 
 from __future__ import annotations
@@ -18,7 +19,6 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from cases import Case
 
     from ..analysis.columns import Table
-    from ..drawing.figure_files import FigureEntry
     from ..running.calls import Calls
 
 
@@ -81,18 +80,6 @@ class Result(NamedTuple):
         from ..analysis.columns import with_version_words
 
         return {name: with_version_words(self.study.TABLES[name], frame) for name, frame in self.frames.items()}
-
-    def draw(self, folder: Path) -> list[FigureEntry]:
-        """Write its figures to the folder; returns their entries, or one entry with the reason of a failure."""
-        from ..drawing.figure_files import FigureEntry
-
-        if self.failure:
-            return []
-        folder.mkdir(parents=True, exist_ok=True)
-        try:
-            return list(self.study.draw(self.findings, folder))
-        except Exception as problem:  # a failed figure must not discard the numbers
-            return [FigureEntry("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
 
 
 def names() -> tuple[str, ...]:

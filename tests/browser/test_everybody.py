@@ -31,7 +31,7 @@ def test_in_the_dark_only_cells_of_a_grade_have_dark_text(open_page):
     cells = page.evaluate(
         """() => [...document.querySelectorAll('td')].filter(e => e.checkVisibility() && e.innerText.trim()).map(e =>
         [e.matches('.excellent, .very-good, .good, .rough, .poor, .unusable, .not-decided') &&
-         Boolean(e.closest('.map, .grades')),
+         Boolean(e.closest('.grades')),
          getComputedStyle(e.querySelector('a') ?? e).color])"""
     )
     grades = {colour for is_grade, colour in cells if is_grade}
@@ -61,18 +61,15 @@ def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page, page_fi
     page.wait_for_selector(".pair .player[data-time]")
     page.emulate_media(media="print")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    for place in ("#answer", "#headline", DISC, LINE, "#cost", "#proved", "#data"):
+    for place in ("#answer", "#headline", DISC, LINE, "#cost", "#proved", "#parts", "#data"):
         assert page.locator(place).is_visible(), place
-    page.wait_for_function(
-        "[...document.images].every(e => e.complete && (e.naturalWidth > 0 || !e.checkVisibility()))"
-    )
     cut = """() => [...document.querySelectorAll('table')].filter(e => e.checkVisibility() && e.closest('.scroll'))
         .filter(e => getComputedStyle(e.closest('.scroll')).overflowX !== 'visible'
             || e.getBoundingClientRect().right > innerWidth + 1)
         .map(e => e.outerHTML.slice(0, 200))"""
     assert page.evaluate(cut) == []
     assert not any(one.is_visible() for one in page.locator("nav, .switches, .tools, .player").all())
-    assert page.locator("figure img:visible").count() == 1  # the headline, inside the page
+    assert page.locator("figure svg:visible").count() == 3
     assert page.heard.foreign(page_file.as_uri()) == []
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import re
-import zlib
 from fractions import Fraction
 
 import pytest
@@ -132,8 +130,8 @@ def test_the_evidence_lists_enclosures_inside_the_error_bars(shared_page, page_f
 @pytest.mark.parametrize(
     "old, tab, visible",
     [("motions", "cases", DISC), ("headline", "cases", "#headline"), ("failures", "cases", "#failures"),
-     ("precision", "cost", "#cost"), ("definitions", "answer", "table.answer:not(.by-engine)"),
-     ("tables", "data", "#tables"),
+     ("precision", "cost", "#cost"), ("definitions", "answer", "table.by-engine"),
+     ("tables", "data", "#tables"), ("evidence", "evidence", "#proved"),
      ("made", "data", "#made"), (DISC[1:], "cases", DISC), ("nothing", "answer", ".unknown")],
 )  # fmt: skip
 def test_links_to_the_chapters_of_older_pages_lead_to_the_right_tab(shared_page, old, tab, visible):
@@ -169,34 +167,3 @@ def test_cases_are_found_by_a_word_and_shown_one_at_a_time(shared_page):
     shown.locator("a").click()
     assert page.locator("article:visible h3").first.inner_text() == CASES[1]
     page.wait_for_selector(f"{LINE} .player[data-time]")
-
-
-POINTS = """case,solver,route,setting,quantity,unit,cpu_s,call_s,steps,absolute_error,floor_error
-a case,pymunk,native,h=0.01,off,1,0.1,0.2,100,1e-3,1e-12
-a case,pymunk,native,h=0.001,off,1,1.0,1.1,1000,1e-4,1e-12
-"""
-
-
-def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
-    page = open_page(place="#cost")
-    page.evaluate(
-        """([text, bytes]) => { const data = document.createElement("script"), place = document.createElement("div");
-        Object.assign(data, {type: "text/plain", className: "file", textContent: bytes});
-        data.dataset.name = "work_precision";
-        place.className = "precision";
-        place.dataset.command = "python -m reports.build";
-        document.querySelector("#cost").append(data, place);
-        return suite.precision(place); }""",
-        [POINTS, base64.b64encode(zlib.compress(POINTS.encode())).decode()],
-    )
-    assert page.locator(".precision circle").count() == 2
-    assert page.locator(".precision .work").input_value() == "call_s"
-    page.hover(".precision circle >> nth=1")
-    details = page.inner_text(".precision .details")
-    assert "h=0.001" in details and "0.01 % off" in details and "1.1 s a whole call" in details
-    assert 'python -m reports.build --case "a case" --solver pymunk' in details
-    page.focus(".precision svg")
-    page.keyboard.press("ArrowLeft")
-    assert "h=0.01:" in page.inner_text(".precision .details")
-    page.uncheck("input[data-switch=solver][value=pymunk]")
-    assert page.locator(".precision circle").count() == 0

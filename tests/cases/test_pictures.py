@@ -74,6 +74,17 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
         MOTION.plot("normal_froce")
 
 
+def test_modes_and_slip_of_several_contacts_are_those_of_the_first():
+    """Of three discs in a pile, "slip v > 0" stood over a slip of -0.047 m/s: another contact's words."""
+    motion = reference.simulate(cases.load("pile_of_discs", mu=0.08))
+    name = motion.contact_names[0]
+    above, below = motion.plot("slip", "y").axes[-2:]
+    words = [text.get_text() for text in above.texts]
+    first = motion.of(name)
+    assert words == [plots.MODE_WORDS[mode] for mode in (first.first_mode, *(t.after for t in first.transitions))]
+    assert above.get_ylabel() == f"slip velocity v / (m/s)\nat {name}" and below.get_ylabel() == "Y / m"
+
+
 def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
     film = MOTION.animate()
     figure, show = film._frames()

@@ -12,8 +12,8 @@ import adapters.laws.__main__ as laws
 from adapters.laws import law_process
 from reports import build, options, show, studies, study
 from reports.running import calls, experiment
-from reports.studies.error_parts import measure as error_parts
-from reports.studies.stability import measure as stability
+from reports.studies import error_parts
+from reports.studies.stability import study as stability
 
 from .. import fake_adapter
 

@@ -1,5 +1,7 @@
-"""What figures show: default settings in the headline, a unit on each axis, no points that the truth cannot resolve."""
+"""Figures as data, and what both writers make of them: the same points, in the page and in files."""
 
+import re
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from math import nan
 
@@ -10,28 +12,29 @@ from matplotlib import pyplot as plt
 
 import cases
 from adapters import Setting
-from cases import Cost, Curve, Mode, Transition, curves, library
+from cases import Curve, Mode, Transition, curves, library
 from cases.pictures.plots import parameter_unit
+from cases.pictures.style import apply_style
 from reference.sweeping import plan
-from reports.analysis.work_precision import work_precision_rows
-from reports.drawing import figures, work_precision_figure
+from reports.analysis.verdict import SceneOffs
+from reports.drawing import figures, matplotlib_writer, svg_writer
 from reports.drawing.figure_files import save
-from reports.drawing.style import STYLE, LineStyles, logarithmic, looks_of
+from reports.drawing.style import STYLE, LineStyles, logarithmic
+from reports.drawing.traces import Diagram, Panel, PlotAxis, PlotScale, Trace, apart
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
 from reports.sweeping.parameter_units import parameter_label
 
-from .test_work_precision import made
-
 pytestmark = pytest.mark.builds
 
 CASE = cases.load("disc_in_circle", mu=0.2)
 EVENT = Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL, "the slip velocity vanished")
 TIMES = np.linspace(0.0, 1.0, 201)
-NAMES = ("x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force", "lambda")
+NAMES = ("x", "y", "theta", "slip", "xi1", "xi2", "normal_force")
 BAR = 1e-12
+DEFAULT = Setting.of(rung="defaults")
 
 
 @pytest.fixture(autouse=True)
@@ -46,14 +49,16 @@ def truth() -> Truth:
     return Truth("taylor", (EVENT,), (BAR,), Mode.SLIP_FORWARD, "completed", samples=samples, centre_bar=BAR)
 
 
+def score(off: float) -> Score:
+    return Score(abs(off), 0.0, abs(off), 0.0, 0.0, nan, 0.0, 1e-3, False)
+
+
 def run(setting: Setting, error: float, solver: str = "one", rung: int = 1) -> Run:
     off = {"t": TIMES, **{name: np.full(len(TIMES), error) for name in (*NAMES, "angle")}}
     row = LedgerRow(1, EVENT.before, EVENT.after, EVENT.time + error, EVENT.time, error, "paired")
-    score = Score(abs(error), 0.0, abs(error), 0.0, 0.0, nan, 0.0, 1e-3, False)
-    samples = {"t": TIMES, **{name: np.maximum(0.5 - TIMES, 0.0) + error for name in NAMES}}
     return Run(
         CASE.label, solver, "native", setting, rung, "answered", first_mode=str(EVENT.before), ledger=(row,),
-        distance=Distance(*6 * (abs(error),)), cost=Cost(steps=100 * rung), samples=samples, off=off, score=score,
+        distance=Distance(*6 * (abs(error),)), cost=cases.Cost(steps=100 * rung), off=off, score=score(error),
     )  # fmt: skip
 
 
@@ -61,42 +66,116 @@ def experiment(*runs: Run) -> Experiment:
     return Experiment((CASE,), {CASE.label: truth()}, runs, 0.0)
 
 
-DEFAULT = Setting.of(rung="defaults")
+# --- the data ---------------------------------------------------------------------------------------------------------
 
 
-def test_the_headline_shows_default_settings_not_the_finest():
-    shown = experiment(run(DEFAULT, 0.04), run(Setting.of(h=1e-3), 1e-6, rung=2), run(DEFAULT, 1e-14, "reference"))
-    figure = figures.headline(shown, CASE, looks_of(shown))
-    above, near, below = figure.axes
-    expected = np.interp(TIMES, TIMES, truth().samples["slip"]) + 0.04
-    lines = [line.get_ydata() for line in above.lines if len(line.get_ydata()) == len(TIMES)]
-    assert any(np.allclose(line, expected) for line in lines)
-    assert not any(np.allclose(line, truth().samples["slip"] + 1e-6, atol=1e-7, rtol=0) for line in lines[1:])
-    assert "default settings" in above.get_title(loc="left")
+def test_the_headline_has_default_settings_and_not_the_finest():
+    runs = run(DEFAULT, 0.04), run(Setting.of(h=1e-3), 1e-6, rung=2), run(DEFAULT, 1e-14, "reference")
+    diagram = figures.headline(experiment(*runs), CASE)
+    (whole,), (near, errors) = diagram.rows
+    exact, line = whole.traces
+    assert (exact.solver, line.solver) == ("", "one") and "default settings" in diagram.title
+    assert np.allclose(np.array(line.y), np.maximum(0.5 - np.array(line.x), 0.0) + 0.04, atol=1e-9)
     # The first transition, 40 ms late, lies within the second panel.
-    low, high = near.get_xlim()
-    assert low < EVENT.time < EVENT.time + 0.04 < high < 1.0
-    (error,) = [line.get_ydata() for line in below.lines if len(line.get_ydata()) > 3]
-    assert np.nanmax(error) == pytest.approx(0.04)
+    assert near.x.low < EVENT.time < EVENT.time + 0.04 < near.x.high < 1.0
+    assert max(errors.traces[0].y) == pytest.approx(0.04)
+    assert len(figures.with_defaults(experiment(run(Setting.of(file="mine.csv"), 0.01)), CASE.label)) == 1
 
 
-def test_a_motion_without_default_settings_is_in_the_headline_too():
-    shown = experiment(run(Setting.of(file="mine.csv"), 0.01))
-    assert len(figures._with_defaults(shown, CASE.label)) == 1
+def test_words_of_modes_are_those_of_the_first_contact_and_a_plate_that_does_not_turn_sticks():
+    words = [span.name for span in figures.headline(experiment(run(DEFAULT, 0.1)), CASE).rows[0][0].spans]
+    assert words == ["slip v > 0", "sticks"]
+    turning = replace(truth(), samples=truth().samples | {"theta": TIMES})
+    turns = replace(experiment(run(DEFAULT, 0.1)), truths={CASE.label: turning})
+    assert figures.headline(turns, CASE).rows[0][0].spans[1].name == "rolls"
 
 
-def test_errors_that_the_truth_cannot_resolve_make_no_figure():
-    inside = experiment(*(run(Setting.of(rtol=r), 0.3 * BAR, rung=i) for i, r in enumerate((1e-9, 1e-11, 1e-12), 1)))
-    assert figures.errors(inside, CASE, looks_of(inside)) is None
-    outside = experiment(*inside.runs, run(Setting.of(rtol=1e-6), 3.0 * BAR, rung=4))
-    assert figures.errors(outside, CASE, looks_of(outside)) is not None
+def test_a_pile_of_discs_has_the_modes_of_the_contact_whose_slip_is_drawn():
+    """Three contacts in one list of transitions said "slip v > 0" over a slip of −0.047 m/s."""
+    from reports.running.tasks import find_truth
+
+    case = cases.load("pile_of_discs", mu=0.08)
+    certified = find_truth(case)
+    spans = figures._spans(certified, (0.0, case.duration))
+    contact = next(iter(certified.scales))
+    assert spans[0].name.startswith(f"{contact}: ") and len(spans) == len(certified.scales[contact].phases) > 1
+    slips = {span.name: np.interp(0.5 * (span.low + span.high), certified.samples["t"], certified.samples["slip"])
+             for span in spans if "slip" in span.name}  # fmt: skip
+    assert slips and all(("v > 0" in name) == (slip > 0.0) for name, slip in slips.items())
 
 
-def test_a_legend_shows_the_markers_of_its_points():
-    shown = experiment(run(DEFAULT, 0.1), run(Setting.of(h=1e-3), 1e-3, rung=2), run(Setting.of(h=1e-4), 1e-4, rung=3))
-    (ax,) = figures.errors(shown, CASE, looks_of(shown)).axes
-    (handle,) = ax.get_legend().legend_handles
-    assert handle.get_marker() == looks_of(shown).marker("one", "native")
+def test_default_settings_are_hollow_and_a_smaller_error_than_the_axis_is_an_arrow():
+    runs = run(DEFAULT, 0.3), run(Setting.of(h=1e-3), 1e-3, rung=2), run(Setting.of(h=1e-4), 1e-9, rung=3)
+    diagram = figures.against_steps(experiment(*runs), CASE)
+    line, marks = diagram.rows[0][0].traces
+    assert marks.hollow == {0} and line.x == [200, 300] and min(line.y) == figures.LEAST_OFF
+    svg = str(svg_writer.svg(diagram, LineStyles([("one", "native")])))
+    assert svg.count('class="arrow') == 1 and svg.count('class="mark') == 2 and svg.count('class="mark hollow') == 1
+    assert figures.against_cost("case", []) is None
+
+
+def test_each_scene_is_a_dot_with_its_address_and_the_median_is_named():
+    offs = {("one", "native"): {c: SceneOffs(d, score(f)) for c, d, f in (("a", 0.5, 1e-8), ("b", 0.1, 0.01))},
+            ("two", "native"): {"a": SceneOffs(nan, score(0.2))}}  # fmt: skip
+    diagram = figures.strip(offs, lambda case: f"#{case}")
+    (panel,) = diagram.rows[0]
+    assert [name for _, name in panel.y.names] == ["one, default", "one, finest", "two, finest"]
+    assert panel.traces[0].links == ["#b", "#a"] and panel.traces[0].pale == {0}
+    assert [text for *_, text in panel.medians] == ["30 %", "0.5 %", "20 %"]
+    svg = str(svg_writer.svg(diagram, LineStyles(offs)))
+    assert svg.count("<a href=") == 5 and svg.count('class="arrow') == 1  # 1e-8 is beyond the axis
+    assert figures.strip({}, str) is None
+
+
+# --- the writers ------------------------------------------------------------------------------------------------------
+
+LOOKS = LineStyles([("one", "native"), ("one", "other"), ("pymunk", "native")])
+TWO = Diagram(
+    "A title", "Words.",
+    ((Panel(PlotAxis("steps", True), PlotAxis("off", True, is_percent=True),
+            (Trace("one", "native", [1.0, 10.0, 100.0], [0.5, nan, 0.005], is_marked=True, tips=["<a>", "b", "c"]),
+             Trace("pymunk", "native", [1.0, 100.0], [0.1, 0.2], label="pymunk"))),),),
+)  # fmt: skip
+
+
+def test_both_writers_draw_the_same_points_with_the_solvers_marker():
+    svg = ET.fromstring(str(svg_writer.svg(TWO, LOOKS)))
+    marks = [node for node in svg.iter() if node.get("class") == "mark"]
+    assert len(marks) == 2 and {node.get("d") for node in marks} == {svg_writer._SHAPES[LOOKS.marker("one")]}
+    assert [node.text for node in svg.iter("title")] == ["<a>", "c"]
+    groups = [(g.get("data-solver"), g.get("data-route")) for g in svg.iter("g")]
+    assert groups == [("one", "native"), ("pymunk", "native")]
+    assert {"100 %", "10 %", "1 %", "0.1 %"} <= {node.text for node in svg.iter("text")}
+    with apply_style():
+        (ax,) = matplotlib_writer.draw(TWO, LOOKS).axes
+    points = [(x, y) for line in ax.lines if line.get_marker() == LOOKS.marker("one") for x, y in line.get_xydata()]
+    assert points == [(1.0, 0.5), (100.0, 0.005)]
+    assert ax.get_title(loc="left") == "A title" and [text.get_text() for text in ax.texts] == ["pymunk"]
+
+
+def test_a_line_is_interrupted_where_there_is_no_value_and_where_it_leaves_the_axes():
+    trace = Trace("one", "native", [0.0, 1.0, 2.0, 3.0, 4.0], [0.0, nan, 1.0, 9.0, 1.0])
+    diagram = Diagram("", "", ((Panel(PlotAxis(), PlotAxis(low=0.0, high=2.0), (trace,)),),))
+    (path,) = re.findall(r'class="curve" d="([^"]*)"', str(svg_writer.svg(diagram, LOOKS)))
+    assert path.count("M") == 3 and "nan" not in path
+
+
+def test_labels_are_moved_apart_and_stay_within_their_panel():
+    places = apart([0.5, 0.5, 0.98, 0.99], 0.1, 0.0, 1.0)
+    assert all(b - a >= 0.1 - 1e-12 for a, b in zip(sorted(places)[:-1], sorted(places)[1:], strict=True))
+    assert min(places) >= 0.0 and max(places) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("axis", "values", "texts"),
+    [
+        (PlotAxis(is_log=True, is_percent=True), [2e-4, 0.3], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"]),
+        (PlotAxis(is_log=True), [3e-5, 2e-3], ["1e-5", "1e-4", "0.001", "0.01"]),
+        (PlotAxis(), [0.0, 2.5], ["0", "0.5", "1", "1.5", "2", "2.5"]),
+    ],
+)
+def test_ticks_are_powers_of_ten_or_round_numbers(axis, values, texts):
+    assert [text for _, text in PlotScale(axis, values, 0.0, 1.0).ticks()] == texts
 
 
 def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths(tmp_path):
@@ -105,21 +184,6 @@ def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths(tmp_path):
     save(figure, tmp_path, "map", "", "", "")
     svg = (tmp_path / "map.svg").read_text()
     assert svg.count("<image ") == 1 and svg.count("<path") < 50
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize(
-    ("case", "track", "force"),
-    [("disc_in_circle", "rad", "N/m"), ("disc_on_line", "m", "N"), ("disc_in_ellipse", "", "N/m")],
-)
-def test_each_axis_of_a_motion_has_its_name_and_its_unit(case, track, force):
-    case = cases.load(case)
-    shown = replace(experiment(), truths={case.label: truth()})
-    labels = [ax.get_ylabel() for ax in figures.motion(shown, case, LineStyles([])).axes]
-    assert labels[:4] == ["slip velocity / (m/s)", "error / (m/s)"] + [
-        f"{name}{track and f' / {track}'}" for name in ("track parameter ξ₁", "error")
-    ]
-    assert f"multiplier λ / {f'({force})' if '/' in force else force}" in labels
 
 
 @pytest.mark.parametrize(
@@ -158,25 +222,3 @@ def test_an_axis_of_less_than_two_decades_has_ticks_between_the_powers():
     assert texts == ["0.02", "0.05", "0.1", "0.2", "0.5"]
     ax.set_xlim(1e-6, 1.0)
     assert all(text.startswith(("10", "1", "0.1")) for text in map(ax.xaxis.get_major_formatter(), ax.get_xticks()))
-
-
-def test_work_and_precision_are_of_whole_calls_and_have_no_panel_below_the_truths_error():
-    shown, measured = made(("a", "s", 1e-7, 3.0))
-    timings = {key: replace(timing, call_s=5.0) for key, timing in measured.timings.items()}
-    points = work_precision_rows(shown, measured._replace(timings=timings))
-    hidden = [p | {"below_floor": p["below_floor"] or p["quantity"] == "centre_rms"} for p in points]
-    label = points[0]["case"]
-    figure = work_precision_figure.case_figure(shown, label, hidden, looks_of(shown))
-    titles = {ax.get_title(loc="left") for ax in figure.axes}
-    assert "first transition's time" in titles and "centre, root mean square" not in titles
-    places = [x for ax in figure.axes for line in ax.lines if line.get_marker() == "o" for x in line.get_xdata()]
-    assert set(places) == {5.0}
-    assert all("/" in ax.get_ylabel() or "share" in ax.get_ylabel() for ax in figure.axes if ax.get_title(loc="left"))
-
-
-def test_the_profile_of_costs_is_of_whole_calls_and_states_the_number_of_cases():
-    row = {"case": "c", "level": 0.01, "route": "r", "cpu_s": 1.0, "ratio": 1.0}
-    rows = [row | {"solver": "a", "call_s": 1.0}, row | {"solver": "b", "call_s": 4.0}]
-    assert work_precision_figure._ratios(rows) == {(0.01, "a", "r"): [1.0], (0.01, "b", "r"): [4.0]}
-    (ax,) = work_precision_figure.summary(rows, LineStyles([("a", "r"), ("b", "r")])).axes
-    assert ax.get_ylabel() == "share of the timed cases (n = 1)"

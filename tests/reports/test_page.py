@@ -8,7 +8,6 @@ import re
 import zlib
 from base64 import b64decode
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -20,15 +19,16 @@ from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
 from reports.analysis import verdict
 from reports.page import chapters, evidence, motions, vendor
+from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
-from reports.page.fragments import short_percent, table, verbatim
-from reports.page.grade_map import engine_map
+from reports.page.fragments import anchor, short_percent, table, verbatim
 from reports.running.records import Experiment, Truth
 
 from .test_verdict import experiment, run
 
 pytestmark = pytest.mark.builds
 
+CASE = cases.load("disc_on_line", mu=0.1)
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
 
 
@@ -172,23 +172,23 @@ def test_an_enclosure_is_its_two_ends_with_their_common_digits_once():
 def test_no_two_cases_have_the_same_anchor():
     labels = ["a[slope=+0.3]", "a[slope==0.3]", "a[slope=0.3]", "a", "a_b", "a-b", "a[b]", "a[b"]
     labels += [case.label for name in cases.names() for case in cases.select(name)]
-    anchors = [chapters.anchor(label) for label in labels]
+    anchors = [anchor(label) for label in labels]
     assert len(set(anchors)) == len(labels) and all(re.fullmatch(r"case-[\w-]+", anchor) for anchor in anchors)
 
 
-def test_a_map_of_many_cases_shows_those_that_rank_engines_first():
-    """101 columns in one band had overlapping numbers; fewer than nine cases share one band."""
-    experiment = SimpleNamespace(cases=[SimpleNamespace(label=f"case_{n}") for n in range(12)], runs=[])
-    exclusions = {f"case_{n}": "does not depend on friction's law" for n in (0, 3, 11)}
-    shown = engine_map(experiment, [("pymunk", "native")], exclusions)
-    labels = [[case["label"] for case in band["cases"]] for band in shown["bands"]]
-    assert labels == [[f"case_{n}" for n in range(12) if n not in (0, 3, 11)], ["case_0", "case_3", "case_11"]]
-    # An engine without any motion keeps a row.
-    assert [[row["settings"] for row in band["routes"][0]["rows"]] for band in shown["bands"]] == [["finest"]] * 2
-    few = SimpleNamespace(cases=experiment.cases[:5], runs=[])
-    assert [len(band["cases"]) for band in engine_map(few, [], exclusions)["bands"]] == [5]
-    none_ranks = {case.label: "there is no truth" for case in experiment.cases}
-    assert [len(band["cases"]) for band in engine_map(experiment, [], none_ranks)["bands"]] == [12]
+def test_the_table_of_all_cases_has_two_cells_for_each_route_and_why_there_is_no_motion():
+    results = experiment(
+        run("a", "one", "native", 0.46, Setting.of(rung="defaults")), run("a", "one", "native", 1e-3),
+        replace(run("b", "one", "native", 0.1), outcome="crashed", score=None, reason="SIGSEGV"),
+    )  # fmt: skip
+    results = replace(results, cases=tuple(replace(CASE, name=name, parameters={}) for name in "ab"))
+    rows = {row["case"]: row for row in matrix(results, [("one", "native")])["rows"]}
+    default, finest = rows["a"]["cells"]
+    assert (default["text"], default["order"], finest["text"]) == ("46", "0.46", ".10")
+    assert default["tip"].startswith("one native, default settings: 46 % ± ")
+    assert [cell["text"] for cell in rows["b"]["cells"]] == ["–", "–"]
+    assert rows["b"]["cells"][1]["tip"] == "one native, finest setting run: crashed: SIGSEGV"
+    assert all(cell["grade"] == "none" and cell["order"] == "1e308" for cell in rows["b"]["cells"])
 
 
 @pytest.mark.parametrize(
@@ -211,10 +211,10 @@ def test_what_to_change_for_one_percent_is_confirmed_by_all_finer_settings(offs,
     results = experiment(usual, *ladder)
     (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
     assert row["so"].startswith(text)
-    assert row["cells"]["usual settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
+    assert row["cells"]["default settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
 
 
-def test_usual_settings_within_one_percent_need_no_change():
+def test_default_settings_within_one_percent_need_no_change():
     results = experiment(run("a", "one", "native", 0.002, Setting.of(rung="defaults")), run("a", "one", "native", 1e-4))
     (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
-    assert row["so"] == "one's usual settings are within 1 %."
+    assert row["so"] == "one's default settings are within 1 %."

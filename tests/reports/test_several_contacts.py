@@ -33,7 +33,7 @@ from cases.motion.trajectory import ContactColumns
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
-from reports.page import case_tables, motions
+from reports.page import motions
 from reports.running.records import Truth
 
 pytestmark = pytest.mark.builds
@@ -156,18 +156,6 @@ def test_swings_and_the_time_of_rest_are_those_of_the_motion():
     # The kinetic energy of hump k is 1e-2 of that before: it is below 1e-4 within hump 2, at its top first.
     assert rest.event == 0 and 2.0 < rest.time <= 3.0 and rest.time == rest.reference_time
     assert np.isnan(impacts.rest_time(ROCKING, replace(motion, omega=np.ones(len(t)))))
-
-
-def test_the_page_says_once_when_a_plate_rests():
-    """A table has NaN for the contact of a rest, once for each run, and no two NaN are equal."""
-    base = {"solver": "pymunk", "route": "native", "setting": "h", "error": 0.1, "swing": 0.2, "reference_swing": 0.3}
-    runs = [{**base, "solver": solver} for solver in ("reference", "pymunk", "box2d")]
-    rest = {"event": 0, "contact": float("nan"), "reference_time": 2.0, "reference_swing": float("nan")}
-    both = [{"event": k, "contact": name, "reference_time": 1.0} for k, name in enumerate("ab", 1)]
-    settings = {(run["solver"], "native"): "h" for run in runs}
-    table = case_tables.impacts([run | row for run in runs for row in (rest, *both)], settings)
-    assert [row["what"] for row in table["rows"]] == ["impact at a", "impact at b", "at rest"]
-    assert [len(row["cells"]) for row in table["rows"]] == [2, 2, 2]
 
 
 def test_impacts_are_compared_in_their_order_at_each_contact():

@@ -1,5 +1,6 @@
 """Every study says what its tables hold: a table or column without words is refused here, not after a report's runs."""
 
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from math import nan
@@ -10,20 +11,19 @@ import pytest
 import cases
 from adapters import Setting
 from reports import studies, sweep
-from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
-from reports.studies.error_parts import measure as error_parts
+from reports.studies import error_parts
 from reports.studies.published import study as published
-from reports.studies.stability import measure as stability
+from reports.studies.stability import study as stability
 from reports.studies.stability.sensitivity import Conditioning, Sensitivity
-from reports.studies.stability.step_limit import Bracket
+
+from .test_figures import score
 
 pytestmark = pytest.mark.builds
 
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
 SCENE = stability.HardScene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
-HUNG = CallResult("timed_out", reason="It hung.")
 WHO = ("engine", "native")
 
 
@@ -33,12 +33,7 @@ def short_results() -> dict[str, Any]:
     return {
         "error_parts": [error_parts.ErrorCell(CASE.label, *WHO, Setting.of(), "unsupported", "No such curve.")],
         "published": published.of_one(0)[:1],
-        "stability": stability.Stability(
-            (CASE,),
-            {CASE.label: SCENE},
-            (ROW,),
-            (Bracket.failure(CASE, "engine", "native", "It hung."),),
-        ),
+        "stability": stability.Stability((CASE,), {CASE.label: SCENE}, (ROW,)),
     }  # fmt: skip
 
 
@@ -50,7 +45,7 @@ def test_every_study_is_known_by_its_place():
 def test_every_study_has_its_words(name):
     study = studies.study(name)
     assert study.TITLE and study.QUESTION.endswith(".") and set(study.TAKES) <= {"case", "solver"}
-    assert study.IN_REPORT in (True, False) and callable(study.run) and callable(study.draw)
+    assert study.IN_REPORT in (True, False) and callable(study.run) and study.TAB in ("evidence", "errors")
     tables = study.rows(short_results()[name])
     assert tables.keys() == study.TABLES.keys()
     for table, rows in tables.items():
@@ -85,7 +80,17 @@ def test_a_study_that_fails_is_said_in_its_result(monkeypatch):
     assert (result.failure, result.frames, result.command) == ("ZeroDivisionError: by zero", {}, "the command")
 
 
-def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
-    study = studies.study("stability")
-    (drawn,) = studies.Result("stability", study, "", findings=None).draw(tmp_path)
-    assert drawn.name == "" and "could not be drawn" in drawn.caption
+def test_a_hard_scene_is_told_in_three_sentences_with_the_errors_and_why():
+    hard = cases.select("touching_slip")[0]
+    scored = replace(ROW, case=hard.label, outcome="answered", reason="slip velocity: 20 %", score=score(0.2))
+    found = stability.Stability(
+        (CASE, hard), {CASE.label: SCENE, hard.label: SCENE},
+        (ROW, scored, replace(scored, route="other", score=score(1e-3), reason="x")),
+    )  # fmt: skip
+    texts = stability.in_words(found)
+    assert list(texts) == [CASE.label, hard.label]  # without any answer it is the hardest
+    entry = cases.entry("touching_slip")
+    assert texts[CASE.label] == "Seen: engine native: crashed."
+    assert texts[hard.label].startswith(f"{entry.summary} Hard: {entry.hard}; known: {entry.outcome}.".replace("`", ""))
+    assert texts[hard.label].endswith("Seen: engine native 20 % off (slip velocity: 20 %); engine other 0.1 % off.")
+    assert f"{hard.label}: " in stability.summary(found)

@@ -11,10 +11,8 @@ import cases
 from adapters import EngineFailure, Setting
 from cases import Mode, NotSupported, Start, State, Trajectory, Transition
 from reports.analysis import tables
-from reports.analysis.columns import Table
 from reports.judging import several_contacts
 from reports.page import text
-from reports.page.case_tables import error_text
 from reports.running import clocked_run, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
@@ -78,7 +76,7 @@ def test_truth_of_a_plate_at_rest_is_a_row_that_can_be_written(tmp_path):
     case = replace(cases.load("disc_on_line"), start=Start(xi1=0.0))
     rows = tables.truth_rows(SimpleNamespace(truths={case.label: tasks.find_truth(case)}))
     frames = {"truth": pd.DataFrame(rows)}
-    written = text.write(frames, {"truth": Table("truth", {})}, tmp_path, "make report")
+    written = text.write(frames, tmp_path)
     assert written and frames["truth"].friction_share.isna().all()
 
 
@@ -232,11 +230,3 @@ def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_each_alone():
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
-
-
-def test_no_more_is_claimed_than_the_truth_allows():
-    row = {"error": 3e-15, "pairing": "paired", "truth_error_bar": 1e-12}
-    assert error_text(row) == "< 1.0e-12"
-    assert error_text({**row, "error": -3e-5}) == "-3.0e-5"
-    assert error_text({**row, "error": float("nan"), "pairing": "missed"}) == "missed"
-    assert error_text(None) == ""

@@ -23,7 +23,6 @@ from reports.analysis import (
 from reports.analysis.convergence import convergence_rows
 from reports.analysis.table_list import Results
 from reports.analysis.work_precision import CostMeasurements
-from reports.drawing.style import looks_of
 from reports.judging.distances import Distance
 from reports.judging.friction_factor import Losses
 from reports.judging.grades import LEVELS
@@ -377,38 +376,10 @@ def test_set_up_and_compilation_are_told_beside_the_times():
     assert cost_conclusions.set_up([]) == ""
 
 
-def test_figures_that_fail_are_told_in_their_place(tmp_path, in_process):
+def test_a_figure_that_fails_is_told_in_its_place(tmp_path, in_process):
     from reports.page import pictures
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
     with in_process(), Calls(1) as calls:
-        (output,), _ = pictures.draw(experiment, experiment, work_precision.CostMeasurements(), [], tmp_path, calls)
+        (output,) = pictures.draw(experiment, tmp_path, calls)
     assert output.name == "" and "could not be drawn" in output.caption
-
-
-def drawn_heights(figure) -> list[float]:
-    """Of points and lines between them, not of grid lines, marks of an axis and limits."""
-    of_data = [line for ax in figure.axes for line in ax.lines if line.get_transform() is ax.transData]
-    return [y for line in of_data for y in line.get_ydata() if not isnan(y)]
-
-
-@pytest.mark.slow
-def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
-    from reports.drawing import work_precision_figure as precision_figures
-
-    experiment, measured = made(("reference", "s", 1e-15, 0.01), ("a", "s", 1e-7, 3.0))
-    points = work_precision.work_precision_rows(experiment, measured)
-    figure = precision_figures.case_figure(experiment, experiment.cases[0].label, points, looks_of(experiment))
-    heights = drawn_heights(figure)
-    assert min(heights) >= 10 * BAR and 1e-7 in heights
-    drawn = list(precision_figures.draw(experiment, measured, tmp_path))
-    # A figure of a case ends with a digest of the case's label.
-    assert [d.name.rpartition("_")[0] or d.name for d in drawn[1:]] == ["work_precision_disc_on_line_mu_0.1"]
-    assert drawn[0].name == "work_precision"
-
-
-def test_a_solver_has_the_same_colour_whoever_else_takes_part():
-    few, _ = made(("pymunk", "s", 1e-9, None))
-    many, _ = made(("reference", "s", 1e-9, None), ("exudyn", "s", 1e-9, None), ("pymunk", "s", 1e-9, None))
-    assert looks_of(few).colour("pymunk") == looks_of(many).colour("pymunk")
-    assert len({looks_of(many).colour(run.solver) for run in many.runs}) == 3

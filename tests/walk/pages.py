@@ -316,7 +316,7 @@ WALK = {
             ),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
-                "python -m reports.study stability --paper",
+                "python -m reports.study stability",
                 (r"stability/stability\.csv",),
                 ("stability/stability.csv",),
             ),

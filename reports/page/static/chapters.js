@@ -12,9 +12,9 @@
       const player = await suite.player(place), plots = place.closest("article")?.querySelector(".plots");
       if (player && plots) suite.plots(plots, player);
     }
-    node.querySelectorAll(".precision").forEach((place) => suite.precision(place));
-    for (const place of node.querySelectorAll(".by-route")) await suite.engines(place);
+    for (const place of node.querySelectorAll(".by-route")) await suite.ofCase(place);
     node.querySelectorAll("table.data").forEach((table) => { if (!table.closest("details:not([open])")) suite.table(table); });
+    node.querySelectorAll("table.cells").forEach((table) => suite.cells(table));
   }
   document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => one.open && one.querySelectorAll("table.data").forEach((table) => suite.table(table))));
 

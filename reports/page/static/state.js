@@ -61,7 +61,8 @@ const suite = (() => {
   }
 
   // A table's rows as objects of texts.
-  async function rows(name) {
+  const tables = new Map(), rows = (name) => tables.get(name) ?? (tables.set(name, parsed(name)), tables.get(name));
+  async function parsed(name) {
     const text = await file(name);
     if (text === null) return null;
     const [names, ...records] = parse(text);

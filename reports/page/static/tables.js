@@ -76,6 +76,30 @@ suite.table = (table) => {
   });
 };
 
+// The details of a cell on tap, click and focus: one stop of Tab for the whole table, then the arrow keys.
+suite.cells = (table) => {
+  const details = table.closest("article").querySelector(".details");
+  let now = null;
+  const go = (cell) => {
+    if (!cell?.title) return;
+    if (now) { now.tabIndex = -1; now.classList.remove("now"); }
+    now = cell;
+    cell.tabIndex = 0;
+    cell.classList.add("now");
+    cell.focus();
+  };
+  table.addEventListener("click", (event) => go(event.target.closest("td[title]")));
+  table.addEventListener("focusin", ({ target }) => { if (target.matches("td[title]")) details.textContent = `${target.parentNode.querySelector("th").textContent}: ${target.title}`; });
+  table.addEventListener("keydown", (event) => {
+    const [down, right] = { ArrowDown: [1, 0], ArrowUp: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] }[event.key] ?? [];
+    if (down === undefined || !event.target.matches("td")) return;
+    event.preventDefault();
+    go(table.tBodies[0].rows[event.target.parentNode.sectionRowIndex + down]?.cells[event.target.cellIndex + right]);
+  });
+  const first = table.querySelector("tbody td[title]");
+  if (first) { now = first; first.tabIndex = 0; }
+};
+
 // A value of a file rounded for reading, as in the rows of the page: times to nine digits, errors to two.
 suite.shorten = (value, column, isNumber) => {
   if (value === "True" || value === "False") return value === "True" ? "yes" : "";
@@ -91,29 +115,6 @@ suite.shorten = (value, column, isNumber) => {
   return Math.abs(size) >= 100 ? suite.number(size) : plain(2);
 };
 
-// The engines of a case, from the table `headline`: off in % and friction × with default settings and at the finest.
-suite.engines = async (place) => {
-  const rows = (await suite.rows("headline"))?.filter((row) => row.case === place.dataset.case && row.route && row.solver !== "reference");
-  if (!rows?.length) return;
-  const off = (value) => (value === "" ? "–" : +value < 1e-6 ? "<0.0001" : suite.number(100 * value));
-  const level = (row) => (row.level === "" ? (row.finest_off === "" ? "" : "none") : `${suite.number(100 * row.level)} % by ${row.settings_within} setting${+row.settings_within === 1 ? "" : "s"}`);
-  const heads = [["engine"], ["route"], ["default <small>%</small>", "off with default settings: the median, and the range over usual values"], ["friction ×", "friction and other losses as a multiple of the law's, with default settings"], ["finest <small>%</small>", "off at the finest setting run"], ["friction ×", "friction and other losses as a multiple of the law's, at the finest setting run"], ["reaches", "the smallest level that the ladder stays within, and by how many of its settings, the finest included"]];
-  place.innerHTML = `<div class="scroll" tabindex="0" role="region" aria-label="table: engines"><table class="data short grades" data-name="engines"><thead><tr>${heads.map(([title, tip = ""], i) => `<th scope="col"${i > 1 && i < 6 ? ' class="number"' : ""} title="${tip}">${title}</th>`).join("")}</tr></thead><tbody></tbody></table></div>`;
-  for (const row of rows) {
-    const line = place.querySelector("tbody").insertRow();
-    line.dataset.solver = row.solver;
-    line.dataset.route = row.route;
-    const range = +row.default_settings > 1 ? ` (${off(row.default_off_best)} to ${off(row.default_off_worst)})` : "";
-    const factor = (which) => (row[`${which}_friction_factor`] === "" ? "" : suite.number(+row[`${which}_friction_factor`]));
-    const texts = [[row.solver], [row.route], [off(row.default_off) + range, "default_off", row.default_grade], [factor("default"), "default_friction_factor"], [off(row.finest_off), "finest_off", row.finest_grade], [factor("finest"), "finest_friction_factor"], [level(row)]];
-    for (const [text, column, grade] of texts) {
-      const cell = line.insertCell();
-      cell.textContent = text;
-      if (column) { cell.className = `number ${(grade ?? "").replace(" ", "-")}`.trim(); cell.dataset.order = row[column] || "1e308"; }
-    }
-  }
-};
-
 // The button of a file saves it from the page, so that a page without its folder has it as well.
 document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("click", async (event) => {
   if (link.dataset.saving) return;
@@ -125,25 +126,6 @@ document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("clic
   delete link.dataset.saving;
   if (text !== null) { URL.revokeObjectURL(link.href); link.href = address; }
 }));
-
-// The first sentence compares the engines that are shown on the cases that all of them answer.
-suite.verdict = () => {
-  const place = document.querySelector("p.verdict[data-lead]");
-  place.dataset.whole ??= place.textContent;
-  if (suite.isWhole()) { place.textContent = place.dataset.whole; return; }
-  const rows = [...document.querySelectorAll("tr[data-scenes]")].filter((row) => suite.on(row.dataset.solver, row.dataset.route))
-    .map((row) => ({ name: `${row.dataset.solver} ${row.dataset.route}`, scenes: JSON.parse(row.dataset.scenes) }));
-  if (!rows.length) { place.textContent = "No engine is shown."; return; }
-  const some = rows.filter((row) => Object.keys(row.scenes).length), median = (values) => {
-    const known = values.filter((value) => value !== null).sort((a, b) => a - b), half = known.length >> 1;
-    return known.length < values.length ? "–" : `${suite.digits(100 * (known.length % 2 ? known[half] : (known[half - 1] + known[half]) / 2), 2)} %`;
-  };
-  const common = some.length ? Object.keys(some[0].scenes).filter((name) => some.every((row) => name in row.scenes)) : [];
-  const errors = some.map((row) => `${row.name} ${median(common.map((name) => row.scenes[name][0]))} by default, ${median(common.map((name) => row.scenes[name][1]))} at the finest setting run`);
-  const start = common.length ? `${place.dataset.lead} ${common.length} case${common.length === 1 ? "" : "s"} that ${some.length === 1 ? "the engine shown answers" : `the ${some.length} engines shown answer`}: ${errors.join("; ")}.` : "No case is answered by all engines shown.";
-  place.textContent = `${start} Of all ${place.dataset.cases}, ${rows.map((row) => `${row.name} answers ${Object.keys(row.scenes).length}`).join(", ")}.`;
-};
-if (document.querySelector("tr[data-scenes]")) suite.whenSwitched(suite.verdict);
 
 // Of each case the fastest routes that are shown are bold; the sentence above compares two of them.
 suite.fastest = () => {

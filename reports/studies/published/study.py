@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 from ...analysis.columns import Table
-from ...drawing.figure_files import FigureEntry
 from ...running.calls import Calls, StorePolicy
 from ...running.records import Row
 from .. import Request
@@ -19,6 +15,7 @@ QUESTION = (
     "accuracy and the difference. Where a published value is known to be wrong, the note gives the reason."
 )
 TAKES = ()
+TAB = "evidence"
 IN_REPORT = True
 TABLES = {"published": Table("Numbers that other programs publish, and ours", COLUMNS)}
 
@@ -44,8 +41,3 @@ def run(request: Request, calls: Calls) -> list[Row]:
 def rows(findings: list[Row]) -> dict[str, list[Row]]:
     """The table of published numbers."""
     return {"published": findings}
-
-
-def draw(findings: list[Row], folder: Path) -> Iterator[FigureEntry]:
-    """Write no figure: the study is a table."""
-    yield from ()

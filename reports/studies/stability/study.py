@@ -1,22 +1,38 @@
-"""The atlas of hard scenes: outcomes of the solvers, and the steps at which engines become unstable."""
+"""The atlas of hard scenes: outcome and grade of each solver.
+
+Each run also has the residuals that need no truth (energy, gap, tangency, their drifts); each scene the condition
+number of the paper's matrix (27) along the motion, and the effect of one unit in the last place of the inputs: if that
+unit decides the outcome, solvers are not ranked on the scene.
+"""
 
 from __future__ import annotations
 
-from collections import Counter
-from math import isfinite
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
+from math import inf, isfinite, nan
+from typing import Any, NamedTuple
 
+import numpy as np
+
+import cases
+import reference
 from adapters import Setting
+from cases import Case, Mode, Trajectory
+from reference import certification
 
 from ...analysis.columns import Table, words
-from ...judging.grades import Grade
-from ...running.calls import Calls
+from ...judging import residuals
+from ...judging.grades import LIMITS, Grade, percent
+from ...running.calls import Calls, StorePolicy
+from ...running.experiment import run_cases
 from ...running.names import REFERENCE
-from ...running.records import TRUTH_RTOL
+from ...running.processes.worker_process import CallResult
+from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
+from ...running.tasks import find_truth, in_catalogue, truth_of
+from ...running.true_motions import true_motion
 from .. import Request
-from . import measure
-from .figure import draw as draw
-from .measure import Stability
+from . import sensitivity
+from .sensitivity import Conditioning, Sensitivity
 
 TITLE = "Hard scenes"
 QUESTION = (
@@ -24,6 +40,7 @@ QUESTION = (
     "Chaotic: one unit in the last place of the inputs decides the outcome, so solvers are not ranked."
 )
 TAKES = ("case", "solver")
+TAB = "errors"
 IN_REPORT = True
 TABLES = {
     "stability": Table(
@@ -48,48 +65,256 @@ TABLES = {
             witnesses="number of independent solutions behind the truth",
         ),
     ),
-    "unstable_steps": Table(
-        "The step at which each engine becomes unstable, by bisection",
-        words("case", "solver", "route")
-        | words(
-            setting="all parameters except the step, from a middle rung",
-            works="largest step that works, s",
-            fails="smallest unstable step, s",
-            steps_at_failure="the duration over the latter",
-            how="how it fails, or why there is no such step",
-        ),
-    ),
 }
-# Words of the chart and of the summary: the grades of answers, and the other outcomes.
-WORDS = (*map(str, Grade), "chaotic", "unsupported", "crashed", "timed_out")
+# A slip below this fraction of the motion's speed is rounding for a reading of samples (`slip_phases.ROUNDING`).
+NEGLIGIBLE_SLIP = 1e-9
+# One unit in the last place may move the centre by at most this fraction of its path: beyond it, engines closer to the
+# truth than that displacement would be ranked by noise.
+CHAOTIC = 1e-6
+# Wall-clock limits of a run in seconds; deriving the equations of the hardest outlines alone takes a fraction of a
+# minute. On the machine used to choose the limit, no run of a default report takes between 4 and 30 s, so outcomes are
+# the same on other machines.
+_LIMIT, _FULL_LIMIT, _DERIVING = 6.0, 600.0, 120.0
+# Samples of the true motion that are sent to the workers. Between them, the motion is interpolated by cubics, with
+# errors below 1e-9 of the plate's size for the longest of the short scenes.
+_SAMPLES = 4000
+# Rungs of a route's ladder that a default report runs in addition to the default settings: the third, the finest with
+# which two workers complete all scenes in half a minute.
+_RUNGS = (2,)
+
+SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+
+
+class HardScene(NamedTuple):
+    """The data of a case before any engine runs; `motion`: the true motion, sampled, None if there is none.
+
+    `visible`: the truth without slips that a reading of samples cannot distinguish from rounding; engines are compared
+    with it.
+    """
+
+    truth: Truth
+    visible: Truth
+    motion: Trajectory | None
+    conditioning: Conditioning
+    spread: Sensitivity
+
+    @property
+    def chaotic(self) -> str:
+        """The reason why solvers are not ranked on this scene, or ""."""
+        if self.spread.sequence:
+            return f"one unit in the last place decides: {self.spread.sequence}"
+        if self.spread.centre > CHAOTIC:
+            return f"one unit in the last place moves the centre by {self.spread.centre:.1e} of its path"
+        return ""
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The findings of the study: scenes by case label, and the runs."""
+
+    cases: tuple[Case, ...]
+    scenes: dict[str, HardScene]
+    runs: tuple[Run, ...]
+
+
+# --- running ----------------------------------------------------------------------------------------------------------
+
+
+def atlas(full: bool) -> tuple[Case, ...]:
+    """The hard cases of the catalogue: the last variant of each family; if `full`, all, including those of minutes."""
+    families = [cases.select(name, long=full) for name in cases.names(hard=True)]
+    return tuple(case for family in families for case in (family if full else family[-1:]))
 
 
 def run(request: Request, calls: Calls) -> Stability:
-    """Measure the requested cases, or the atlas."""
-    return measure.measure(request.cases or measure.atlas(request.full), request.solvers, request.full, calls)
+    """Run the requested cases, or the atlas, through the solvers; every failure is a row."""
+    full, solvers = request.full, request.solvers
+    case_list = request.cases or atlas(full)
+    limit = _FULL_LIMIT if full else _LIMIT
+    # In reverse, because the tightest fit, which is near the end of the atlas, takes longest.
+    requests = [(case,) for case in case_list[::-1]]
+    answers = calls.all("scenes", scene_of, requests, limit=limit + _DERIVING, keep=StorePolicy())[::-1]
+    scenes = {case.label: _scene(answer) for case, answer in zip(case_list, answers, strict=True)}
+    failures = {c.label: a.failure for c, a in zip(case_list, answers, strict=True) if a.outcome != "done"}
+    runs = [Run(label, REFERENCE, "", Setting.of(), 0, *failure) for label, failure in failures.items()]
+    own = [case for case in case_list if case.label not in failures]
+    # Engines: the longest first, because a long one at the end would run alone.
+    in_turn = sorted(case_list, key=lambda case: -case.duration)
+    engines = [name for name in solvers if name != REFERENCE]
+    # The reference is compared with the complete truth and with the true motion itself, which each worker computes.
+    for step, its_cases, names, seconds in (
+        ("reference", own, [name for name in solvers if name == REFERENCE], limit + _DERIVING),
+        ("engines", in_turn, engines, limit),
+    ):
+        is_own = step == "reference"
+        truths = {label: scene.truth if is_own else scene.visible for label, scene in scenes.items()}
+        further = {label: (None if is_own else scene.motion, True) for label, scene in scenes.items()}
+        runs += run_cases(
+            its_cases, names, calls, partial(_rungs, full), truths=truths, further=further, limit=seconds, step=step
+        ).runs
+    place = {case.label: i for i, case in enumerate(case_list)}
+    runs.sort(key=lambda run: (place[run.case], run.solver != REFERENCE, run.solver, run.route, run.rung))
+    return Stability(tuple(case_list), scenes, tuple(runs))
+
+
+def _rungs(full: bool, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+    """The settings to run: of the reference every second one, of an engine its default settings and one."""
+    if full:
+        return tuple(one_default(settings))
+    if solver == REFERENCE:
+        return settings[1::2]
+    ladder = [s for s in settings if not s.is_default]
+    few = (ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)
+    return (*[s for s in settings if s.is_default][:1], *few)
+
+
+def scene_of(case: Case) -> HardScene:
+    """A case's truth, its condition numbers and the effect of the last bits of its inputs."""
+    spread = sensitivity.spread(case)
+    # A hard case of the catalogue without a stored certificate cannot be certified: its witnesses' sequences differ, or
+    # one of them stops, sometimes after minutes.
+    has_truth = not in_catalogue(case) or case.label in certification.read()
+    truth = find_truth(case) if has_truth else Truth(failure="it has no certificate: its witnesses disagree")
+    if truth.failure and not spread.sequence:
+        truth = _by_one_formulation(case, truth)
+    motion = None if truth.failure else true_motion(case, truth.method)
+    conditioning = sensitivity.conditioning(case, motion) if motion else Conditioning(nan, nan, nan)
+    visible = _visible(truth, motion) if motion else truth
+    return HardScene(truth, visible, _sample(motion) if motion else None, conditioning, spread)
+
+
+def _visible(truth: Truth, motion: Trajectory) -> Truth:
+    """The truth without phases of slip that never exceed a billionth of the motion's speed."""
+    edges = [float(motion.t[0]), *(t.time for t in truth.transitions), float(motion.t[-1])]
+    negligible = NEGLIGIBLE_SLIP * float(np.max(np.hypot(motion.vx, motion.vy)))
+    assert truth.first_mode is not None, "a motion has a first mode"
+    modes = [truth.first_mode, *(t.after for t in truth.transitions)]
+    for i, mode in enumerate(modes):
+        # A truth computed from several motions may end later than this one by a rounding error.
+        sample_times = np.clip(np.linspace(edges[i], edges[i + 1], 21), motion.t[0], motion.t[-1])
+        slips = np.abs(np.asarray(motion(sample_times).slip))
+        if mode in SLIPS and slips.max() <= negligible:
+            modes[i] = Mode.ROLL
+    visible_indices = [i for i in range(1, len(modes)) if modes[i] != modes[i - 1]]
+    return replace(
+        truth,
+        first_mode=modes[0],
+        transitions=tuple(
+            replace(truth.transitions[i - 1], before=modes[i - 1], after=modes[i]) for i in visible_indices
+        ),
+        error_bars=tuple(truth.error_bars[i - 1] for i in visible_indices),
+    )
+
+
+def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
+    """The truth by the first formulation alone, if its methods agree; otherwise `failed_truth`."""
+    methods = (*reference.METHODS, *(("taylor_quadruple",) if "taylor" in reference.METHODS else ()))
+    motions = [reference.simulate(case, rtol=TRUTH_RTOL, method=method) for method in methods]
+    centre = motions[0]
+    kinds = [(t.before, t.after) for t in centre.transitions]
+    if any(m.status != centre.status or [(t.before, t.after) for t in m.transitions] != kinds for m in motions):
+        return failed_truth
+    bars = tuple(
+        max(abs(t.time - same[0].time) for t in same) + float(np.spacing(same[0].time))
+        for same in zip(*(m.transitions for m in motions), strict=True)
+    )
+    truth = truth_of(case, centre, centre.transitions, methods[0])
+    return replace(truth, error_bars=bars, witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods))
+
+
+def _sample(motion: Trajectory) -> Trajectory:
+    """A motion sampled at evenly spaced times and at its transitions: enough for comparisons, and small to send."""
+    events = [event.time for event in motion.transitions]
+    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SAMPLES), events)
+    return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
+
+
+def _scene(answer: CallResult) -> HardScene:
+    if answer.outcome == "done":
+        return answer.value
+    nothing = Truth(failure=answer.failure[1])
+    return HardScene(nothing, nothing, None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
 
 
 def rows(stability: Stability) -> dict[str, list[dict[str, Any]]]:
-    """Both tables; no table if nothing was run."""
+    """The table: one row per run; no table if nothing was run.
+
+    `centre_error`: largest distance from the truth over the path; `spread`: its change by one unit in the last place of
+    the inputs; `condition`: of (27) in the plate's own units, `condition_si`: in SI units; `witnesses`: number of
+    independent solutions behind the truth.
+    """
     if not stability.cases:
         return {}
-    return {"stability": measure.rows(stability), "unstable_steps": [b._asdict() for b in stability.unstable]}
+    extents = {
+        c.label: residuals.motion_extent(c, m) for c in stability.cases if (m := stability.scenes[c.label].motion)
+    }
+    table_rows = []
+    for run in stability.runs:
+        scene = stability.scenes[run.case]
+        outcome, reason = run.outcome, run.reason
+        lacks_truth = outcome == "unsupported" and scene.motion is None and not run.refusal
+        if scene.chaotic and (outcome == "answered" or lacks_truth):
+            outcome, reason = "chaotic", scene.chaotic
+        elif outcome == "answered" and scene.truth.status == "paradox" != run.status:
+            reason = f"{reason}; it continues although rigid contact has no solution there"
+        table_rows.append(
+            {
+                "case": run.case,
+                "solver": run.solver,
+                "route": run.route,
+                "setting": run.setting,
+                "outcome": outcome,
+                "grade": "" if outcome == "chaotic" else str(run.grade),
+                "off": run.score.off if run.score else nan,
+                "off_doubt": run.score.doubt if run.score else nan,
+                "reason": reason,
+                "first_transition_error": first_error(run),
+                "centre_error": run.distance.centre_max / extents.get(run.case, nan),
+                **run.residuals._asdict(),
+                "condition": _number(scene.conditioning.dimensionless),
+                "condition_si": _number(scene.conditioning.largest),
+                "condition_time": scene.conditioning.when,
+                "spread": _number(scene.spread.centre),
+                "spread_time": _number(scene.spread.time),
+                "last_bit": scene.spread.sequence,
+                "witnesses": len(scene.truth.witnesses),
+            }
+        )
+    return {"stability": table_rows}
+
+
+def _number(value: float) -> float:
+    """The value, or NaN instead of infinity, which another column describes in words."""
+    return value if isfinite(value) else nan
+
+
+def in_words(stability: Stability) -> dict[str, str]:
+    """Three sentences for each scene, the hardest for engines first: what it is, what makes it hard, and what the
+    solvers did at their finest setting."""
+    last = {(run.case, run.solver, run.route): run for run in stability.runs}
+    texts: dict[str, tuple[float, str]] = {}
+    for case in stability.cases:
+        entry = cases.entry(case.name) if case.name in cases.names() else None
+        runs = [run for (label, solver, _), run in last.items() if label == case.label and solver != REFERENCE]
+        about = f"{entry.summary} Hard: {entry.hard}; known: {entry.outcome}. " if entry and entry.hard else ""
+        seen = stability.scenes[case.label].chaotic or "; ".join(map(_seen, runs)) or "no engine ran"
+        worst = max((run.score.off for run in runs if run.score), default=inf)
+        texts[case.label] = -worst, f"{about.replace('`', '')}Seen: {seen}."
+    return {label: text for label, (_, text) in sorted(texts.items(), key=lambda item: item[1][0])}
+
+
+def _seen(run: Run) -> str:
+    """What an engine did with a scene, and why."""
+    name = f"{run.solver} {run.route}".strip()
+    if run.score is None:
+        return f"{name}: {run.outcome.replace('_', ' ')}"
+    why = f" ({run.reason})" if run.reason and run.score.off > LIMITS[Grade.GOOD] else ""
+    return f"{name} {percent(run.score.off)} off{why}"
 
 
 def summary(stability: Stability) -> str:
-    """Grades and outcomes by route, and the reference's largest residuals at its finest setting, for the terminal."""
-    from tabulate import tabulate
-
-    counts: dict[tuple[str, str], Counter] = {}
-    table_rows = measure.rows(stability)
-    for row in table_rows:
-        counts.setdefault((row["solver"], row["route"]), Counter())[row["grade"] or row["outcome"]] += 1
-    table = [[*key, count.total(), *(count[word] for word in WORDS)] for key, count in counts.items()]
-    lines = [tabulate(table, ["solver", "route", "runs", *WORDS])]
-    finest = [r for r in table_rows if r["solver"] == REFERENCE and r["setting"] == Setting.of(rtol=TRUTH_RTOL)]
-    for name in ("energy", "gap", "tangency", "condition"):
-        finite_rows = [row for row in finest if isfinite(row[name])]
-        if finite_rows:
-            worst = max(finite_rows, key=lambda row: row[name])
-            lines.append(f"reference at rtol={TRUTH_RTOL:g}, largest {name}: {worst[name]:.1e} ({worst['case']})")
-    return "\n".join(lines)
+    """The scenes in words, for the terminal."""
+    return "\n".join(f"{label}: {text}" for label, text in in_words(stability).items())

@@ -21,15 +21,46 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adapters import Setting
-from cases import Case
 
-from ...judging.grades import grade
-from ...running.calls import Calls
-from ...running.experiment import run_cases
-from ...running.records import Run, Truth, first_error
+from ..analysis.columns import Table, words
+from ..analysis.number_format import number
+from ..judging.grades import grade, percent
+from ..running.calls import Calls
+from ..running.experiment import run_cases
+from ..running.records import Run, Truth, first_error
+from . import Request
+
+TITLE = "The parts of an error"
+QUESTION = (
+    "Step and model parameters are varied independently: how much of an error is due to the step, the facets, the "
+    "penalty or the regularised friction, and which to refine next."
+)
+TAKES = ("case", "solver")
+TAB = "errors"
+IN_REPORT = False
+TABLES = {
+    "error_parts": Table(
+        "The parts of an error due to the step and to the model, and the parameter to refine next",
+        words("case", "solver", "route")
+        | words(
+            quantity="first_transition_time, s; energy_lost, over the largest true kinetic energy; final_centre, m",
+            setting="the parameters that differ within the grid",
+            total="the error at this setting, signed (of the centre: its size)",
+            finest_error="the error at the finest value of every parameter",
+            step_part="error added by the step with the finest model",
+            model_part="error added by the model with the finest step",
+            interaction="the remainder of the total",
+            model_parts="error added by each parameter of the model alone",
+            turn_next="parameter whose next level reduces the error most; all: only together; none: nothing does",
+            makes_worse="the parameters whose next level increases the error",
+        )
+        | words("off", "grade", "outcome")
+        | words(reason="transitions that are not paired with the truth's, or the reason of any other outcome"),
+    )
+}
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "share", "final_centre": "m"}
-# The cases of a default report: the paper's application, in which facets, stiffness and regularisation all matter, and
+# The study's own cases: the paper's application, in which facets, stiffness and regularisation all matter, and
 # a valley whose curvature changes.
 CASES = ("disc_in_circle[mu=0.1]", "disc_in_cosine")
 # Wall-clock limit of a grid's run: the finest corner takes about a second, but a truth that is not cached takes longer.
@@ -61,9 +92,10 @@ class ErrorCell:
 # --- measuring --------------------------------------------------------------------------------------------------------
 
 
-def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[ErrorCell]:
-    """Run every grid of every route of the solvers on every case."""
-    experiment = run_cases(cases, solvers, calls, knobs="grid", limit=LIMIT_SECONDS, step="error parts")
+def run(request: Request, calls: Calls) -> list[ErrorCell]:
+    """Run every grid of every route of the engines on every case."""
+    cases = request.cases_or(CASES)
+    experiment = run_cases(cases, request.engines, calls, knobs="grid", limit=LIMIT_SECONDS, step="error parts")
     return [cell_of(run, experiment.truths[run.case]) for run in experiment.runs]
 
 
@@ -116,6 +148,11 @@ class Grid:
         """The signed error at a place; NaN if the run gave none, or outside the grid."""
         cell = self.cells.get(tuple(place))
         return (cell.errors if cell else {}).get(quantity, np.full(2 if quantity == "final_centre" else 1, nan))
+
+    def off(self, place: Sequence[int]) -> float:
+        """The score of the motion at a place; NaN if there is none."""
+        cell = self.cells.get(tuple(place))
+        return cell.off if cell else nan
 
     def partly_finest(self, place: Sequence[int], fixed_parameters: Sequence[str]) -> list[int]:
         """The place with the parameters `unchanged` as they are and all others finest."""
@@ -178,8 +215,8 @@ def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
     return ("all" if helps else "none"), " ".join(worse)
 
 
-def rows(cells: Sequence[ErrorCell]) -> list[dict[str, Any]]:
-    """One row per case, route, quantity and setting; one per unsupported route."""
+def rows(cells: Sequence[ErrorCell]) -> dict[str, list[dict[str, Any]]]:
+    """The table of parts: one row per case, route, quantity and setting; one per unsupported route."""
     table_rows = []
     for key, group in by_route(cells).items():
         common = dict(zip(("case", "solver", "route"), key, strict=True))
@@ -190,7 +227,7 @@ def rows(cells: Sequence[ErrorCell]) -> list[dict[str, Any]]:
                 row |= _reason(grid, cell, quantity)
                 row |= {"off": cell.off, "grade": str(grade(cell.off)) if isfinite(cell.off) else ""}
                 table_rows.append({**row, "outcome": cell.outcome, "reason": cell.reason})
-    return table_rows
+    return {"error_parts": table_rows}
 
 
 def _reason(grid: Grid, cell: ErrorCell, quantity: str) -> dict[str, Any]:
@@ -216,3 +253,27 @@ def by_route(cells: Sequence[ErrorCell]) -> dict[tuple[str, str, str], list[Erro
     for cell in cells:
         groups.setdefault((cell.case, cell.solver, cell.route), []).append(cell)
     return groups
+
+
+def summary(cells: Sequence[ErrorCell]) -> str:
+    """A sentence for each route: its error at the coarsest setting, and what each parameter changes if it alone is
+    refined by one level."""
+    sentences = []
+    for (case, solver, route), group in by_route(cells).items():
+        grid = Grid(group)
+        place = [0] * len(grid.parameters)
+        now = grid.off(place)
+        if not grid.parameters or not isfinite(now):
+            sentences.append(f"{solver} {route} in {case}: {group[0].reason or group[0].outcome}")
+            continue
+        changes = []
+        for parameter, levels in zip(grid.parameters, grid.levels, strict=True):
+            after = grid.off(grid.neighbour(place, parameter))
+            change = f"÷ {number(now / after)}" if after > 0.0 else "no answer"
+            changes.append(f"{parameter} {_short(levels[0])} to {_short(levels[1])}: {change}")
+        sentences.append(f"{solver} {route} in {case}: {percent(now)} off; {'; '.join(changes)}")
+    return "\n".join(sentences)
+
+
+def _short(value: float | int) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
