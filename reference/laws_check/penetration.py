@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Case, Chain, Curve, Plate
+from cases.contact.nearest import contacts
 from cases.contact.overlap_search import deepest_overlap, first_overlap
 from cases.curves.line_or_circle import as_line
 from cases.scene.free_plates import names_of, plates_of
@@ -102,9 +103,13 @@ def _in_curve(
         if overlap is None:
             return
         number, xi1 = first + overlap[0], overlap[1]
-        deepest = deepest_overlap(curve, plate.outline, x[number], y[number], theta[number], xi1)
-        if deepest is not None:
-            yield Depth(pair, when[number : number + 1], np.array([-deepest.gap]))
+        pose = float(x[number]), float(y[number]), float(theta[number])
+        if isinstance(curve, Chain) or isinstance(plate.outline, Chain):
+            gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
+        else:
+            gaps = [one.gap for one in [deepest_overlap(curve, plate.outline, *pose, xi1)] if one is not None]
+        if gaps:
+            yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
         first = number + 1
         if first >= len(x):
             return

@@ -28,6 +28,8 @@ from cases import (
 )
 from cases.library import line
 from reference import solve
+from reference.laws_check.penetration import depths
+from reference.laws_check.samples import PlateSamples
 
 
 @cache
@@ -109,3 +111,20 @@ def test_motions_of_the_catalogue_break_no_law(name, rtol):
 def test_check_needs_a_dense_motion():
     with pytest.raises(BadValue, match="dense"):
         reference.check(cases.load(CIRCLE), replace(right(CIRCLE), dense=None))
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.02])
+def test_a_box_in_a_wave_is_found_to_overlap(radius):
+    """Turned to the tangent of the wave's inflection, its side lies on the line through it, and enters the hollow on
+    one side: by 0.05 (sin u − u) cos(angle) at u = 4 x, where the side ends, and less than at the box's corner."""
+    wave, angle = Curve(("s", "0.05*sin(4*s)"), (-3.0, 3.0)), np.arctan(0.2)
+    case = Case(
+        wave, Plate.rectangle(0.2, 0.1, 1.0, radius), (Gravity(9.81), Unilateral(), Flight()), StartPose(0.0, 0.5), 1.0
+    )
+    place = 0.05 * complex(-np.sin(angle), np.cos(angle)) + np.zeros((1, 25))
+    nothing = np.zeros((1, 25))
+    plate = PlateSamples(place, np.exp(1j * angle) + nothing, nothing + 0j, nothing, angle + nothing)
+    every = list(depths(case, nothing, [plate], {"track": np.array([0.0])}))
+    least, most = (0.05 * (u - np.sin(u)) * np.cos(angle) for u in (0.39 - 4.0 * radius, 0.4))
+    assert [one.pair for one in every] == ["plate/track"] * 3
+    assert 0.9 * least < every[0].depths[0] < most
