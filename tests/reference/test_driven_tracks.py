@@ -5,6 +5,7 @@ from math import asin, sin
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 import cases
@@ -125,6 +126,33 @@ def test_paper_kinematics_with_a_moving_track():
     )
     assert (after.R0 - before.R0) / (2 * d) == pytest.approx(k.R0_dot, abs=1e-8)
     assert (after.theta - before.theta) / (2 * d) == pytest.approx(k.theta_dot, abs=1e-8)
+
+
+def test_loads_in_the_tracks_frame_are_those_of_a_motion_that_is_turned_into_it():
+    """For any motion r(t), θ(t) of a free plate, ρ = e^(-iα) (r − c): its second derivative, by SymPy, is the load per
+    mass if r'' is that in the fixed frame. Both formulations and the check of laws use these loads."""
+    t = sp.Symbol("t", real=True)
+    c, alpha = sp.sin(3 * t) / 5 + sp.I * t**3 / 7, sp.cos(2 * t) / 3 + t**2 / 9
+    r, theta = sp.exp(t / 2) + sp.I * sp.cos(t), 1 + sp.sin(t) / 2
+    own = Load("0.3*x + vy - sin(t)", "theta*y - 0.2*omega", "0.1*t + 0.05*vx*x")
+    drive = Drive(*(str(sp.expand(part)) for part in (sp.re(c), sp.im(c), alpha)))
+    effects = Gravity(G), drive, own, Unilateral(), Flight()
+    case = relative_case(Case(line(), disc(R, M), effects, Start(0.0, gap=1.0), 1.0))
+    load = case.effect(Load)
+    assert load is not None
+    seen, angle = sp.exp(-sp.I * alpha) * (r - c), theta - alpha
+    for when in (0.0, 0.4, 1.1):
+        at = [complex(sp.N(e.diff(t, n).subs(t, when), 30)) for e in (r, theta) for n in (0, 1, 2)]
+        place, rate, second, turn, spin, swing = at
+        force = own.at(when, place.real, place.imag, turn.real, rate.real, rate.imag, spin.real)
+        miss = second - complex(force[0], force[1] - M * G) / M
+        there = [complex(sp.N(e.diff(t, n).subs(t, when), 30)) for e in (seen, angle) for n in (0, 1, 2)]
+        state = (there[0].real, there[0].imag, there[3].real, there[1].real, there[1].imag, there[4].real)
+        found = load.at(when, *state)
+        turned = miss * np.exp(-1j * complex(sp.N(alpha.subs(t, when))))
+        assert there[2] - turned == pytest.approx(complex(found[0], found[1]) / M, abs=1e-12)
+        inertia = case.plate.inertia
+        assert there[5] - (swing - force[2] / inertia) == pytest.approx(found[2] / inertia, abs=1e-12)
 
 
 def test_frames_are_inverse_to_each_other():
