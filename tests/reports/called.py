@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import ctypes.util
 import importlib
 import mmap
 import os
@@ -18,7 +16,6 @@ from pathlib import Path
 
 from reports.running.processes import worker_process
 
-FE_UPWARD = 0x800  # <fenv.h> of x86
 MAP_NORESERVE = 0x4000  # <sys/mman.h> of Linux
 kept: list[bytes] = []
 
@@ -51,6 +48,8 @@ def misbehave(how: str):
         os.closerange(3, 64)
     if how == "mumbles":
         raise RuntimeError("\ud800 \x00 \x1b[31m" + "x" * 100_000)
+    if how == "unpicklable":
+        return lambda: None
     if how == "flood":
         for _ in range(50_000):
             os.write(1, b"x" * 1000)
@@ -79,13 +78,6 @@ def leave_behind(then: str) -> int:
     os.write(2, f"left {left}\n".encode())
     Path(os.environ["LEFT_BEHIND"], then).write_text(str(left))
     return left if then == "return" else misbehave(then)  # type: ignore[return-value]
-
-
-def round_up(change: bool) -> tuple[float, int]:
-    """A sum whose last bit tells how this process rounds, and which it is; perhaps changed for good."""
-    if change:
-        ctypes.CDLL(ctypes.util.find_library("m")).fesetround(FE_UPWARD)
-    return sum((1.0, 2.0**-53)), os.getpid()
 
 
 def ends_itself_at_first(folder: Path, times: int) -> int:

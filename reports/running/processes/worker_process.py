@@ -48,8 +48,6 @@ group: str | None = None
 # The folder of the pool that this worker belongs to; None in other processes.
 pool_folder: Path | None = None
 _LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
-# Half a unit in the last place and the least positive number: arithmetic with them shows how this process rounds.
-_HALVES = (1.0, -1.0, 2.0**-53, 2.0**-54, 5e-324)
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, preload: st
         pipe.send_bytes(dumps((number, START_MESSAGE)))
         # The system's alarm ends the process even if the parent is gone and the engine blocks the interpreter.
         signal.alarm(int(limit) + 10)
-        before, state = _numerics(), _required_state()
+        state = _required_state()
         try:
             answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         except OSError as problem:
@@ -122,7 +120,6 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, preload: st
         signal.alarm(0)
         retire = (
             _resident() - at_first > _GROWTH_BYTES
-            or _numerics() != before
             or not state <= _required_state()
             or _has_leftovers()
             or answer.outcome == "lost"
@@ -133,12 +130,6 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, preload: st
             answer = CallResult("raised", reason=legible(f"its result cannot be pickled: {problem}"))
             message = dumps((number, answer, retire))
         pipe.send_bytes(message)
-
-
-def _numerics() -> tuple[float, ...]:
-    """Results of arithmetic with halves of a unit in the last place and with the least number."""
-    one, minus, half, quarter, least = _HALVES
-    return one + half, minus - half, one - quarter, least * one
 
 
 def _required_state() -> set[tuple[str, Any]]:
