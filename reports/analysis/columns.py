@@ -237,6 +237,15 @@ def description(name: str) -> str:
     return f"{meaning} ({unit})"
 
 
+# Shares that are read in percent; the files have them as they are.
+_IN_PERCENT = ("level", "pose_score", "mode_score", "slip_score", "law_error", "friction_sensitivity", "friction_share")
+
+
+def is_in_percent(name: str) -> bool:
+    """Whether a column is a share that readers get in percent: off and its doubts, levels and scores."""
+    return name in COLUMNS and unit_of(name) == "1" and (name in _IN_PERCENT or "off" in name.split("_"))
+
+
 def unit_of(name: str) -> str:
     """The unit of a column, "" where it has none of its own."""
     return COLUMNS[name][1] if name in COLUMNS else ""

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.names import REFERENCE
-from .number_format import number, seconds, times
+from .number_format import seconds, times
 from .time_to_accuracy import DISTURBED, WITH_TIMES
 from .which_engine import RUNS, TIE
 
@@ -103,12 +103,12 @@ def set_up(points: Sequence[dict[str, Any]]) -> str:
 
 
 def _disturbance_note(time_rows: Sequence[dict[str, Any]]) -> str:
-    """The share of the timings that other load disturbed, which are not ranked."""
+    """How many of the times to a level other load disturbed; they are not ranked."""
     entries = [row for row in time_rows if row["reached"] in (*WITH_TIMES, DISTURBED)]
     count = sum(row["reached"] == DISTURBED for row in entries)
     if not count:
         return ""
     return (
-        f"{number(100 * count / len(entries))} % of the timings were disturbed by other load and are left out of the "
-        "ranking: make the report again on a quiet machine."
+        f"{count} of the {len(entries)} times of a route to a level were disturbed by other load and are not ranked: "
+        "make the report again on a quiet machine."
     )

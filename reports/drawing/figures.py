@@ -189,6 +189,15 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return t[top], np.where(size[top] > _SMALLEST, size[top], nan)
 
 
+def is_stuck(truth: Truth, contact: str, begin: float, end: float) -> bool:
+    """Whether no plate at a contact ("" for the only one) turns from one time to another: without slip it sticks."""
+    sides = {side.split(" ")[0] for side in contact.split("/")}
+    own = [truth.plate_samples[name] for name in sides & truth.plate_samples.keys()]
+    plates = own if own and "plate" not in sides else [truth.samples, *own]
+    angles = [np.interp([begin, end], plate.get("t", truth.samples["t"]), plate["theta"]) for plate in plates]
+    return all(np.ptp(turn) <= _STILL for turn in angles)
+
+
 def _first_contact(truth: Truth, end: float) -> tuple[str, tuple]:
     """The name of the truth's first contact where there are several, and its phases."""
     name = next(iter(truth.scales), "") if truth.has_several_contacts else ""
@@ -207,15 +216,14 @@ def _flight(truth: Truth, t: np.ndarray) -> np.ndarray:
 
 def _spans(truth: Truth, window: tuple[float, float]) -> tuple[Span, ...]:
     """The modes of the truth's first contact within a window; without slip they are shaded."""
-    t, theta = truth.samples["t"], truth.samples["theta"]
-    name, phases = _first_contact(truth, float(t[-1]))
+    name, phases = _first_contact(truth, float(truth.samples["t"][-1]))
     spans: list[Span] = []
     for phase in phases:
         low, high = max(phase.begin, window[0]), min(phase.end, window[1])
         if low >= high:
             continue
         word = _WORDS.get(str(phase.mode), "flies" if not name else "open")
-        if phase.mode is Mode.ROLL and np.ptp(np.interp([phase.begin, phase.end], t, theta)) <= _STILL:
+        if phase.mode is Mode.ROLL and is_stuck(truth, name, phase.begin, phase.end):
             word = "sticks"
         text = f"{name}: {word}" if name and not spans else word
         spans.append(Span(low, high, text, phase.mode in (Mode.ROLL, Mode.REST)))

@@ -44,14 +44,14 @@ def _has_links(diagram: Diagram) -> bool:
 
 def _panel(panel: Panel, looks: LineStyles, left: float, top: float, width: float, height: float) -> Iterator[str]:
     """The elements of one panel in its rectangle."""
-    names = max((len(text) for _, text in panel.y.names), default=0)
     at_ends = [trace.label for trace in panel.traces if trace.label and trace.label_at == -1]
-    x0 = left + max(56.0, _LETTER * names + 18.0)
-    x1 = left + width - max(_RIGHT, *(_LETTER * len(text) + 8.0 for text in at_ends), 0.0)
     lines = [line for line in (panel.title, panel.y.label) if line]
     y0, y1 = top + height - _BOTTOM, top + _LINE * (len(lines) + bool(panel.spans)) + 6.0
-    x = PlotScale(panel.x, (v for trace in panel.traces for v in trace.x), x0, x1)
     y = PlotScale(panel.y, (v for trace in panel.traces for v in trace.y), y0, y1)
+    gap = 14.0 if panel.y.names else 7.0
+    x0 = left + gap + _LETTER * max(len(text) for _, text in y.ticks())
+    x1 = left + width - max(_RIGHT, *(_LETTER * len(text) + 8.0 for text in at_ends), 0.0)
+    x = PlotScale(panel.x, (v for trace in panel.traces for v in trace.x), x0, x1)
     for place, line in enumerate(lines, start=1):
         yield _text(left, top + _LINE * place - 3.0, line, "start", "strong" if line == panel.title else "soft")
     for span in panel.spans:
@@ -68,7 +68,7 @@ def _panel(panel: Panel, looks: LineStyles, left: float, top: float, width: floa
         yield f'<path class="tick" d="M{x(value):g} {y0:g}v4"/>{_text(x(value), y0 + 15.0, text, "middle")}'
     for value, text in y.ticks():
         line = "" if panel.y.names else f'<path class="tick" d="M{x0 - 4.0:g} {y(value):g}h4"/>'
-        yield line + _text(x0 - (14.0 if panel.y.names else 7.0), y(value) + 4.0, text, "end")
+        yield line + _text(x0 - gap, y(value) + 4.0, text, "end")
     yield _text(0.5 * (x0 + x1), y0 + 29.0, panel.x.label, "middle", "soft")
     labels = [trace for trace in panel.traces if trace.label]
     places = apart([y(trace.label_point[1]) for trace in labels], _LINE - 1.0, y1 + 4.0, y0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,8 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..analysis import tables
-from ..analysis.columns import unit_of
+from ..analysis.columns import is_in_percent, unit_of
+from ..analysis.number_format import number
 from ..drawing import svg_writer
 from ..drawing.colours import LineStyles
 from ..drawing.figure_files import short_digest
@@ -116,7 +118,7 @@ def _head(column: str, title: str, is_number: bool, description: str) -> dict[st
     """The heading of a column: its name, and its unit if the dictionary or its description ends with one."""
     match = _UNIT.search(description)
     unit = unit_of(column) or (match[1] if match else "")
-    unit = unit if len(unit) <= _LONGEST_UNIT and unit != "1" else ""
+    unit = "%" if is_in_percent(column) else unit if len(unit) <= _LONGEST_UNIT and unit != "1" else ""
     return {
         "title": title.removesuffix(f" {unit}") if unit else title,
         "unit": unit,
@@ -156,6 +158,9 @@ def _is_number(text: str) -> bool:
 
 
 def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
+    if numeric and is_in_percent(column):
+        text = number(100.0 * value) if isfinite(value) else ""
+        return {"text": text, "kind": "number", "order": f"{value:.10g}" if isfinite(value) else "1e308"}
     text = shorten(value, column)
     if numeric:
         text_of_number = verbatim(text)

@@ -22,6 +22,7 @@ from cases import Case, Curve, Mode
 from cases.pictures.layout import along_line, support_parameters, visible
 from cases.scene.supports import TRACK, base_of
 
+from ..drawing.figures import is_stuck
 from ..judging.grades import percent
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, Truth, default, routes
@@ -63,6 +64,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
+        "lanes": _lanes(truth),
         "track": _curve(case.track, visible(case.scene, path, xi1)),
         "supports": [{"name": s.name} | _curve(s.curve, supports[s.name]) for s in case.supports],
         "outline": pack(case.scene.corners()),
@@ -166,6 +168,28 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
         modes |= {event.contact: event.after for event in changes}
         result.append((time, _closed(modes), changes[-1].cause))
     return result
+
+
+def _lanes(truth: Truth) -> list[tuple[str, list[tuple[float, str, str]]]]:
+    """Name, and start time, mode and cause of each mode, of every contact ("" for the only one); a plate that does not
+    turn without slip sticks."""
+    begin, end = (float(time) for time in truth.samples["t"][[0, -1]])
+    lanes = []
+    for name in truth.scales if truth.has_several_contacts else ("",):
+        events = [event for event in truth.transitions if event.contact == name or not name]
+        first = truth.scales[name].phases[0].mode if name else truth.first_mode
+        modes = [(begin, str(first), ""), *((event.time, str(event.after), event.cause) for event in events)]
+        ends = [time for time, _, _ in modes[1:]] + [end]
+        stuck = [
+            mode == Mode.ROLL and is_stuck(truth, name, t, to) for (t, mode, _), to in zip(modes, ends, strict=True)
+        ]
+        lanes.append(
+            (
+                name,
+                [(t, "stick" if still else mode, cause) for (t, mode, cause), still in zip(modes, stuck, strict=True)],
+            )
+        )
+    return lanes
 
 
 def _closed(modes: Mapping[str, Mode]) -> str:

@@ -27,7 +27,7 @@ from cases import (
 from cases.library import circle, line
 from cases.moving_frame import in_track_frame, relative_case
 from reference.paper.kinematics import kinematics, slip_vector, slip_vector_of_plate
-from reports.studies.published.oscillating import BALL, BALL_STEP, ball
+from tests.authorities.published_numbers.oscillating import BALL, BALL_STEP, ball
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 

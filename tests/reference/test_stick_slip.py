@@ -17,7 +17,7 @@ import cases
 import reference
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
 from cases.library import line
-from reports.studies.published.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
+from tests.authorities.published_numbers.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
 from tests.scenes import second as second_states
 
 RADIUS = 0.1

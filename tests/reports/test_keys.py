@@ -247,9 +247,9 @@ def test_code_includes_all_that_a_module_imports(module):
 
 
 def test_a_study_that_loads_a_case_by_name_depends_on_the_catalogue():
-    files = source_code.dependency_files("reports.studies.published", ())
+    files = source_code.dependency_files("reports.studies.stability", ())
     assert "cases.catalogue.paper" in files
-    assert not any(name.startswith("reports.studies.stability") for name in files)
+    assert not any(name.startswith("reports.studies.error_parts") for name in files)
     assert "cases.catalogue.paper" not in source_code.dependency_files("reports.running.tasks", ())
 
 

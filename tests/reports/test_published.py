@@ -8,10 +8,12 @@ import pytest
 from scipy.integrate import DOP853
 
 import reference
-from reports.studies.published.bouncing import thrown_stick
-from reports.studies.published.publications import verdict
-from reports.studies.published.readings import impact_times
+from reports.studies import Request
+from reports.studies.published import study as published
 from tests.authorities.published import COLUMNS, PUBLICATIONS, impacts, rows
+from tests.authorities.published_numbers.bouncing import thrown_stick
+from tests.authorities.published_numbers.publications import verdict
+from tests.authorities.published_numbers.readings import impact_times
 
 BY_NAME = {publication.name: publication for publication in PUBLICATIONS}
 
@@ -57,6 +59,18 @@ def test_our_motion_has_the_published_numbers(publication, accuracy):
             error=abs(row["difference"]) - number.distance if number.distance else row["difference"],
             tolerance=number.off if claimed else number.accuracy,
         )
+
+
+def test_the_table_of_a_report_has_what_is_computed_here():
+    stored = published.run(Request(), None)
+    assert len(stored) == sum(len(publication.numbers) for publication in PUBLICATIONS)
+    computed = rows(PUBLICATIONS[:3])
+    words = set(COLUMNS) - {"ours", "difference"}
+    for row, own in zip(stored, computed, strict=False):
+        assert {name: row[name] for name in words} == {name: own[name] for name in words}
+        assert float(row["ours"]) == pytest.approx(float(own["ours"]), abs=own["accuracy"])
+    numbers = [(publication.name, n.quantity) for publication in PUBLICATIONS for n in publication.numbers]
+    assert [(row["scene"], row["quantity"]) for row in stored] == numbers
 
 
 def test_a_number_that_is_wrong_is_found():

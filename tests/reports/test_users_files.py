@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,8 +19,8 @@ from cases.files.command_line import status
 from cases.files.owned_folder import LIST
 from cases.pictures import animation
 from reports import animate, build, deposit, export, options, publish, show, study, sweep
-from reports.drawing import figures
 from reports.drawing.figure_files import FigureEntry, file_name
+from reports.page import pictures
 
 from . import test_publish
 
@@ -39,11 +39,11 @@ def in_cases(run) -> Callable[[list[str]], int]:
     return lambda words: status("cases", run, words)
 
 
-def no_headline(case, experiment, folder) -> Iterator[FigureEntry]:
+def no_headline(experiment, folder, paper) -> FigureEntry:
     """A headline that takes no time."""
     for name in ("headline.svg", "headline.png"):
         (folder / name).write_text("<svg></svg>")
-    yield FigureEntry("headline", case.label, "A line", "")
+    return FigureEntry("headline", experiment.cases[0].label, "A line", "")
 
 
 class Command(NamedTuple):
@@ -106,7 +106,7 @@ def briefly(in_process):
     with in_process(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(animation, "FRAMES_A_SECOND", 1)
         if QUICK:  # the headline is most of the rest
-            patch.setattr(figures, "draw_headline", no_headline)
+            patch.setattr(pictures, "draw_headline", no_headline)
         yield
 
 

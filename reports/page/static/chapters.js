@@ -36,7 +36,7 @@
     document.title = name ? `${name} · ${title}` : title;
     if (scroll) { if (target && target !== chapter && !target.matches("article, article > span, section > span")) target.scrollIntoView(); else scrollTo(0, 0); }
   }
-  addEventListener("hashchange", () => show());
+  addEventListener("hashchange", () => { ["at", "setting"].forEach((name) => suite.keep(name)); show(); });
   // When the browser's search finds text in another chapter, show that chapter.
   document.addEventListener("beforematch", (event) => {
     const section = event.target.closest("article") ?? event.target.closest(".chapter");

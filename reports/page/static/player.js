@@ -175,7 +175,7 @@ suite.player = async (place) => {
     const slipping = contacts.length < 2 ? ` · v = ${suite.digits(now(truth.slip))} m/s` : "";
     part(".readout").textContent = touching.length ? `${words(mode[1])}${slipping} · N = ${pushes}` : words(mode[1]);
     part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;
-    place.querySelectorAll(".modes button").forEach((one, i) => one.toggleAttribute("data-now", motion.modes[i] === mode));
+    place.querySelectorAll(".modes button").forEach((one) => one.toggleAttribute("data-now", one.dataset.at <= time + 1e-12 * span && (time < one.dataset.to || +one.dataset.to === motion.end)));
     place.dataset.time = time;
     listeners.forEach((act) => act(time));
   }
@@ -219,18 +219,23 @@ suite.player = async (place) => {
 
   // --- the timeline and the controls ---
   const modes = part(".modes"), percent = (when) => (100 * (when - motion.start)) / (span || 1);
-  motion.modes.slice(0, 120).forEach(([from, mode, cause], i) => {
-    const to = motion.modes[i + 1]?.[0] ?? motion.end, one = document.createElement("button");
-    one.type = "button";
-    one.className = `mode ${mode}`;
-    one.style.left = `${percent(from)}%`;
-    one.style.width = `max(6px, ${percent(to) - percent(from)}%)`;
-    one.textContent = percent(to) - percent(from) > 9 ? words(mode) : "";
-    one.title = `${words(mode)} from ${from.toPrecision(9)} s${cause ? `: ${cause}` : ""}`;
-    one.setAttribute("aria-label", one.title);
-    one.dataset.at = from;
-    one.addEventListener("click", () => { play(false); seek(from); });
-    modes.append(one);
+  motion.lanes.forEach(([contact, its]) => {
+    const lane = modes.appendChild(document.createElement("div"));
+    lane.className = motion.lanes.length > 1 ? "lane thin" : "lane";
+    its.slice(0, 120).forEach(([from, mode, cause], i) => {
+      const to = its[i + 1]?.[0] ?? motion.end, one = document.createElement("button"), text = `${contact && `${contact}: `}${words(mode)}`;
+      one.type = "button";
+      one.className = `mode ${mode}`;
+      one.style.left = `${percent(from)}%`;
+      one.style.width = `max(6px, ${percent(to) - percent(from)}%)`;
+      one.textContent = percent(to) - percent(from) > text.length ? text : percent(to) - percent(from) > 9 ? words(mode) : "";
+      one.title = `${text} from ${from.toPrecision(9)} s${cause ? `: ${cause}` : ""}`;
+      one.setAttribute("aria-label", one.title);
+      one.dataset.at = from;
+      one.dataset.to = to;
+      one.addEventListener("click", () => { play(false); seek(from); });
+      lane.append(one);
+    });
   });
   const ticks = document.createElement("div");
   ticks.className = "ticks";
@@ -287,8 +292,15 @@ suite.player = async (place) => {
     const apart = Array.from(t, (_, i) => Math.max(...ghosts.map(({ run }) => Math.hypot(run.off.x[i], run.off.y[i]) || 0)));
     return ghosts.length ? t[apart.indexOf(Math.max(...apart))] : motion.start;
   }
+  // The address of the page has the time and the setting of the first player that it shows.
+  const begin = suite.kept("at");
+  setting.value = Math.max(0, suite.kept("setting") ?? 0);
   choose();
-  seek(place.dataset.loop !== undefined && still ? farthest() : motion.start);
-  if (place.dataset.loop !== undefined && !still) play(true);
+  seek(begin !== null ? +begin : place.dataset.loop !== undefined && still ? farthest() : motion.start);
+  if (place.dataset.loop !== undefined && !still && begin === null) play(true);
+  ["click", "input", "keyup"].forEach((kind) => place.addEventListener(kind, () => {
+    suite.keep("at", playing ? "" : String(+time.toPrecision(6)));
+    suite.keep("setting", +setting.value ? setting.value : "");
+  }));
   return { motion, seek, play, time: () => time, runs: () => ghosts.map(({ run }) => run), whenChosen: (act) => choosers.push(act), whenMoved: (act) => { listeners.push(act); act(time); } };
 };

@@ -7,10 +7,25 @@ const suite = (() => {
   const whenSwitched = (act) => listeners.push(act);
   const announce = () => listeners.forEach((act) => act());
 
-  document.querySelectorAll("[data-switch]").forEach((box) => box.addEventListener("change", () => {
-    hidden[box.dataset.switch][box.checked ? "delete" : "add"](box.value);
+  // What a reader has set is in the address: switches, and time and setting of the player.
+  const kept = (name) => new URLSearchParams(location.search).get(name);
+  function keep(name, value) {
+    const all = new URLSearchParams(location.search);
+    if (value) all.set(name, value); else all.delete(name);
+    history.replaceState(null, "", `${location.pathname}${all.size ? `?${all}` : ""}${location.hash}`);
+  }
+  const boxes = [...document.querySelectorAll("[data-switch]")];
+  function hide() {
+    boxes.forEach((box) => hidden[box.dataset.switch][box.checked ? "delete" : "add"](box.value));
     style.textContent = Object.entries(hidden).flatMap(([kind, names]) => [...names].map(
       (name) => `main [data-${kind}="${CSS.escape(name)}"]{display:none!important}`)).join("");
+  }
+  const without = kept("without")?.split(",") ?? [];
+  boxes.forEach((box) => { box.checked = !without.includes(box.value); });
+  hide();
+  boxes.forEach((box) => box.addEventListener("change", () => {
+    hide();
+    keep("without", boxes.filter((one) => !one.checked).map((one) => one.value).join(","));
     announce();
   }));
 
@@ -127,5 +142,5 @@ const suite = (() => {
   const seconds = (value) => value >= 0.45 ? `${number(value)} s` : value >= 0.995e-3 ? `${number(1e3 * value)} ms` : `${number(1e6 * value)} µs`;
   const isWhole = () => hidden.solver.size + hidden.route.size === 0;
 
-  return { on, isWhole, whenSwitched, announce, colour, colourOf, motion, file, rows, at, digits, number, seconds };
+  return { on, kept, keep, isWhole, whenSwitched, announce, colour, colourOf, motion, file, rows, at, digits, number, seconds };
 })();

@@ -48,7 +48,8 @@ suite.table = (table) => {
       if (row.route && row.solver !== "reference") line.dataset.route = row.route;
       for (const head of heads) {
         const cell = line.insertCell(), value = row[head.dataset.column], isNumber = head.classList.contains("number");
-        cell.textContent = suite.shorten(value, head.dataset.column, isNumber);
+        const isShare = head.querySelector("small")?.textContent === "%" && value !== "";
+        cell.textContent = isShare ? (+value ? suite.number(100 * value) : "0") : suite.shorten(value, head.dataset.column, isNumber);
         if (isNumber) { cell.className = "number"; cell.dataset.order = value === "" ? "1e308" : value; cell.title = value; }
         else if (/^(answered|excellent|very good|good|rough|poor|unusable|not decided|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
         else if (head.dataset.column.includes("setting")) cell.className = "setting";

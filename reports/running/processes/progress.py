@@ -24,10 +24,7 @@ _DOUBT = 10.0
 # pace on another machine is measured as the steps pass.
 _CASE_SECONDS = {"versions": 0.0, "truth": 0.3, "survey": 0.03, "runs": 0.8}
 _TIMING_SECONDS = {"timings": 15.0, "null scores": 3.0, "cold starts and parts": 15.0}
-_STUDY_SECONDS = {
-    "published numbers": 1.0,
-    "scenes": 9.0, "reference": 17.0, "engines": 13.0, "unstable steps": 1.0,
-}  # fmt: skip
+_STUDY_SECONDS = {"scenes": 9.0, "reference": 17.0, "engines": 13.0}
 _FIGURE_SECONDS = {"figures": 6.0}
 
 

@@ -1,13 +1,16 @@
-"""Numbers published by other programs, compared with ours."""
+"""Numbers published by other programs, compared with ours: a table made once, as no engine takes part.
+
+`python -m tests.authorities.published` writes it, in a clone, from the scenes that the tests compute again."""
 
 from __future__ import annotations
 
+import csv
+from pathlib import Path
+
 from ...analysis.columns import Table
-from ...running.calls import Calls, StorePolicy
+from ...running.calls import Calls
 from ...running.records import Row
 from .. import Request
-from . import COLUMNS, PUBLICATIONS
-from .publications import rows as compared
 
 TITLE = "Published numbers of other programs"
 QUESTION = (
@@ -17,25 +20,31 @@ QUESTION = (
 TAKES = ()
 TAB = "evidence"
 IN_REPORT = True
-TABLES = {"published": Table("Numbers that other programs publish, and ours", COLUMNS)}
-
-
-def of_one(index: int) -> list[Row]:
-    """The rows of one publication, by its index in `PUBLICATIONS`."""
-    return compared(PUBLICATIONS[index : index + 1])
+TABLES = {
+    "published": Table(
+        "Numbers that other programs publish, and ours",
+        {
+            "program": "program",
+            "scene": "scene",
+            "quantity": "quantity",
+            "published": "published",
+            "ours": "ours",
+            "difference": "difference",
+            "accuracy": "publisher's own accuracy",
+            "verdict": "verdict",
+            "note": "why they differ, or what is compared",
+            "source": "source",
+        },
+    )
+}
+_FILE = Path(__file__).with_name("numbers.csv")
 
 
 def run(request: Request, calls: Calls) -> list[Row]:
-    """The rows of all publications; one that could not be computed has a row with the reason."""
-    answers = calls.all("published numbers", of_one, [(i,) for i in range(len(PUBLICATIONS))], keep=StorePolicy())
-    table_rows: list[Row] = []
-    for publication, answer in zip(PUBLICATIONS, answers, strict=True):
-        if answer.outcome == "done":
-            table_rows += answer.value
-        else:
-            labels = dict(program=publication.program, scene=publication.name, source=publication.source)
-            table_rows.append(dict.fromkeys(COLUMNS) | labels | {"verdict": answer.outcome, "note": answer.reason})
-    return table_rows
+    """The rows of the table."""
+    with open(_FILE, newline="", encoding="utf-8") as file:
+        records = list(csv.DictReader(file))
+    return [row | {name: float(row[name]) for name in ("difference", "accuracy")} for row in records]
 
 
 def rows(findings: list[Row]) -> dict[str, list[Row]]:

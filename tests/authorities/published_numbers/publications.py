@@ -14,26 +14,15 @@ from math import floor, log10
 
 import reference
 from cases import Case, Trajectory
-
-from ...running.records import Row
+from reports.running.records import Row
+from reports.studies.published import study as published
 
 Reading = Callable[[Trajectory], float]
 
 # The finest tolerance that both integrators reach; all publishers' accuracies except one (1e-12) are far coarser.
 RTOL = 1e-13
 
-COLUMNS = {
-    "program": "program",
-    "scene": "scene",
-    "quantity": "quantity",
-    "published": "published",
-    "ours": "ours",
-    "difference": "difference",
-    "accuracy": "publisher's own accuracy",
-    "verdict": "verdict",
-    "note": "why they differ, or what is compared",
-    "source": "source",
-}
+COLUMNS = published.TABLES["published"].columns
 
 
 @dataclass(frozen=True)
