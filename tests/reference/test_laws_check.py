@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from math import cos, sin
 
+import numpy as np
 import pytest
 
 import cases
@@ -20,6 +21,7 @@ from cases import (
     FreePlate,
     Gravity,
     Impact,
+    Plate,
     StartPose,
     Support,
     Trajectory,
