@@ -4,7 +4,7 @@ Discs of radius r; the angle φ of a contact is that of the line of centres from
 """
 
 from itertools import product
-from math import acos, atan2, cos, inf, sin, sqrt
+from math import atan2, cos, inf, sin, sqrt
 
 import numpy as np
 import pytest
@@ -16,33 +16,6 @@ from reference.witness import complementarity
 from tests.scenes.piles import BOTH, STILL, ContactSystem, G, Pile, body, case_of, contact_system, on_top, random_pile
 
 # --- two discs --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("masses", [(1.0, 1.0), (3.0, 0.5), (0.2, 2.0)])
-def test_a_disc_leaves_a_free_disc_where_the_contact_force_vanishes(masses):
-    """Without friction: cos φ at release solves κ c³ − 3 c + 2 = 0, κ = m₂/(m₁ + m₂).
-
-    Momentum: (m₁ + m₂) V = −m₂ L φ̇ cos φ; energy: ½ L² φ̇² (1 − κ c²) = g L (1 − c) per m₂; N = 0 where the base has no
-    acceleration and L φ̇² = g c. Eliminating φ̇: c (1 − κ c²) = 2 (1 − c)."""
-    kappa, far = masses[1] / sum(masses), 0.9
-    (c,) = [float(z.real) for z in np.roots([kappa, 0.0, -3.0, 2.0]) if abs(z.imag) < 1e-12 and 0.0 < z.real < 0.9]
-    for _ in range(3):
-        c -= (kappa * c**3 - 3.0 * c + 2.0) / (3.0 * kappa * c**2 - 3.0)  # to the last bit
-    rate = sqrt(2.0 * G * (1.0 - c) / (far * (1.0 - kappa * c * c)))
-    assert rate == pytest.approx(sqrt(G * c / far), rel=1e-12)
-    at_release = Pile(on_top(acos(c), speed=-kappa * far * rate * c, rate=rate, masses=masses), BOTH, (0.0, 0.0))
-    weight = G * masses[1]
-    solution = at_release.literal((Mode.SLIDE, Mode.SLIDE))
-    assert abs(solution.normal_force[1]) < 1e-12 * weight
-    assert solution.q1_ddot == pytest.approx(np.array([[0.0, 0.0, 0.0], [0.0, -G, 0.0]]), abs=1e-11)
-    (force,) = complementarity.solutions(*_problem(at_release.frames()))
-    assert abs(force[1]) < 1e-12 * weight
-    # Earlier the discs press against each other, by N = m₂ (g c − L φ̇²)/(1 + (m₂/m₁) s²).
-    phi = 0.5
-    rate = sqrt(2.0 * G * (1.0 - cos(phi)) / (far * (1.0 - kappa * cos(phi) ** 2)))
-    earlier = Pile(on_top(phi, speed=-kappa * far * rate * cos(phi), rate=rate, masses=masses), BOTH, (0.0, 0.0))
-    normal = (weight * cos(phi) - masses[1] * far * rate**2) / (1.0 + masses[1] / masses[0] * sin(phi) ** 2)
-    assert earlier.literal((Mode.SLIDE, Mode.SLIDE)).normal_force[1] == pytest.approx(normal, rel=1e-12)
 
 
 def test_two_discs_that_do_not_slip_have_lagranges_accelerations():
@@ -190,17 +163,6 @@ def test_both_formulations_agree_at_random_states_of_two_bodies():
 def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
     counts = _compare(range(2000))
     assert counts["one"] > 1800 and counts["open"] > 100, counts
-
-
-def test_the_contacts_move_along_both_bodies_as_their_centres_do():
-    """ξ̈₁ = φ̈ + ω̇₁ and ξ̈₂ = −φ̈ − ω̇₂, as `Pile.parameters` has the rates; φ̈ from the accelerations of the centres."""
-    for seed in range(10):
-        pile = random_pile(seed)
-        solution = pile.literal((Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD))
-        lower, upper = solution.q1_ddot
-        dx, dy = (b - a for a, b in zip(pile.states[0][:2], pile.states[1][:2], strict=True))
-        rate = ((upper[0] - lower[0]) * dy - (upper[1] - lower[1]) * dx) / (dx * dx + dy * dy)
-        assert solution.q2_ddot[1] == pytest.approx([rate + lower[2], -rate - upper[2]], rel=1e-10, abs=1e-10), seed
 
 
 def test_bodies_need_not_be_round():

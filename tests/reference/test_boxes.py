@@ -58,37 +58,6 @@ def test_a_box_slides_on_its_flat_side_and_stops(method):
     assert (front - back) * 0.2 == pytest.approx(0.3 * 1.5 * G * 0.1, rel=EXACT)
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.1, 0.4])
-def test_a_box_on_a_slope_slides_or_stays(mu):
-    slope = 0.3
-    effects = (CoulombFriction(mu),) if mu else ()
-    motion = reference.simulate(on(library.line(slope), BOX, *effects, start=Start(0.0, 0.2)), rtol=1e-14)
-    pull = max(G * (sin(slope) - mu * cos(slope)), 0.0)
-    begin, end = motion(0.0), motion(2.0)
-    assert motion.status == "completed" and motion.transitions == ()
-    assert hypot(end.x - begin.x, end.y - begin.y) == pytest.approx(2.0 * pull, abs=EXACT)
-    assert end.theta == pytest.approx(-slope, abs=EXACT)
-
-
-def test_a_box_on_a_slope_tips_about_its_lower_corner():
-    """Steeper than its diagonal it turns about the corner as a pendulum."""
-    slope, turn, plate = 0.6, 0.3, Plate.rectangle(0.2, 0.6, 1.0)
-    case = on(library.line(slope), plate, CoulombFriction(0.9), start=Start(0.0, 0.1), duration=0.6)
-    motion = reference.simulate(case, rtol=1e-14)
-    arm = hypot(0.1, 0.3)
-    inertia = (plate.inertia + arm**2) / arm
-    # The centre's angle from the vertical over the lower corner: it begins past it.
-    first = slope - np.arctan2(0.1, 0.3)
-
-    def wait(s):  # φ = φ₀ + s² removes the singularity of the start from rest
-        phi = s * s
-        return 2 * s / sqrt(4 * G * sin(first + 0.5 * phi) * sin(0.5 * phi) / inertia)
-
-    time = quad(wait, 0.0, sqrt(turn), epsabs=1e-14, epsrel=1e-14)[0]
-    assert motion(time).theta == pytest.approx(-slope - turn, abs=EXACT)
-    assert motion(time).slip == 0.0
-
-
 def test_a_tilted_box_lands_on_a_corner_and_lies_down():
     """The corner sticks, the box turns about it and lies down: wide boxes come to rest there."""
     tilt, height = 0.3, 0.3

@@ -1,7 +1,7 @@
 """Features with each other: exact motions of scenes in which two of them meet, and laws where no motion is known."""
 
 from dataclasses import dataclass
-from math import cos, pi, sin, sqrt
+from math import pi, sqrt
 
 import numpy as np
 import pytest
@@ -97,21 +97,6 @@ def test_the_upper_of_two_boxes_slips_where_the_lower_one_is_pushed_too_hard(met
 
 
 @METHOD
-def test_a_stack_of_two_boxes_slides_down_an_incline_as_one(method):
-    slope, mu = 0.4, 0.3
-    lower, upper = (StartPose(h * sin(slope), h * cos(slope), -slope) for h in (0.1, 0.3))
-    other = FreePlate(Plate.rectangle(0.2, 0.2, 1.0), upper, "upper")
-    effects = (*INELASTIC, CoulombFriction(mu))
-    case = Case(line(slope), Plate.rectangle(0.4, 0.2, 2.0), effects, lower, 0.5, others=(other,))
-    motion = reference.simulate(case, method=method)
-    way = 0.5 * G * (sin(slope) - mu * cos(slope)) * 0.25
-    for name, begin in (("plate", lower), ("upper", upper)):
-        now = motion.plate(name)(0.5)
-        assert (now.x - begin.x, now.y - begin.y) == pytest.approx((way * cos(slope), -way * sin(slope)), abs=1e-12)
-        assert now.omega == pytest.approx(0.0, abs=1e-12)
-
-
-@METHOD
 @pytest.mark.parametrize("height", [0.02, 0.05])
 def test_a_disc_rolls_into_a_curb(height, method):
     """It turns about the edge without slip or rebound: of the angular momentum about it, ω⁺/ω = 1 − 2 h/(3 r)."""
@@ -124,18 +109,6 @@ def test_a_disc_rolls_into_a_curb(height, method):
     assert motion.transitions[0].time == pytest.approx(time, abs=1e-11)
     after = motion(np.nextafter(motion.transitions[0].time, 2.0)).omega
     assert after == pytest.approx(-speed / r * (1.0 - 2.0 * height / (3.0 * r)), rel=1e-12)
-
-
-@METHOD
-def test_a_disc_falls_on_a_box_that_rests_on_a_chain(method):
-    """The box is held by tiles in line; the disc arrives after sqrt(2 h/g) and rests on it."""
-    tiles = Chain.polyline([(-2.0, 0.0), (0.1, 0.0), (2.0, 0.0)])
-    ball = FreePlate(disc(0.1, 0.5), StartPose(0.0, 0.7), "ball")
-    effects = (*INELASTIC, CoulombFriction(0.4))
-    case = Case(tiles, Plate.rectangle(0.4, 0.2, 1.0), effects, StartPose(0.0, 0.1), 1.0, others=(ball,))
-    motion = reference.simulate(case, method=method)
-    assert motion.transitions[0].time == pytest.approx(sqrt(2.0 * 0.4 / G), abs=1e-12)
-    assert motion.plate("ball")(1.0).y == pytest.approx(0.3, abs=1e-12)
 
 
 @METHOD
@@ -185,18 +158,6 @@ def test_a_box_tips_where_its_weight_exceeds_the_couple_of_rolling_resistance(ar
         case = Case(line(), Plate.rectangle(0.2, 0.4, 1.0), (load, *INELASTIC[1:], *effects), StartPose(0.0, 0.2), 0.1)
         motion = reference.simulate(case, method=method)
         assert (abs(motion.theta[-1]) > 1e-9) == bool(count) and not reference.check(case, motion)
-
-
-@METHOD
-def test_a_load_on_a_further_plate_moves_it_where_it_exceeds_friction(method):
-    """Of 10 t, what exceeds 0.3 g from t₀ on: x = 5 (t − t₀)³/3. Corners of both boxes slide over each other."""
-    upper = FreePlate(BOX, StartPose(0.0, 0.15), "upper", Load(fx="10*t"))
-    case = Case(line(), BOX, (*INELASTIC, CoulombFriction(0.3)), StartPose(0.0, 0.05), 0.5, others=(upper,))
-    motion = reference.simulate(case, method=method)
-    assert motion.transitions[0].time == pytest.approx(0.03 * G, abs=1e-12)
-    assert motion.status == "completed"
-    assert motion.plate("upper").x[-1] == pytest.approx(5.0 / 3.0 * (0.5 - 0.03 * G) ** 3, abs=1e-9)
-    assert not reference.check(case, motion)
 
 
 @METHOD
@@ -271,20 +232,6 @@ def test_an_effect_of_a_package_acts_at_each_contact(method):
     motion = reference.simulate(case, method=method)
     assert motion(1.0).vx == pytest.approx(np.exp(-2.0 * drag / mass), abs=1e-10)
     assert not reference.check(case, motion)
-
-
-@METHOD
-@pytest.mark.parametrize("off", [-1e-6, 1e-6])
-def test_magnets_hold_a_box_on_an_incline(off, method):
-    """Both corners pull: m g sin a = μ (m g cos a + 2 F)."""
-    slope, mu, mass = 0.5, 0.3, 2.0
-    least = 0.5 * mass * G * (sin(slope) / mu - cos(slope))
-    place = StartPose(0.05 * sin(slope), 0.05 * cos(slope), -slope)
-    effects = (*INELASTIC, CoulombFriction(mu), Magnet(least + off))
-    case = Case(line(slope), Plate.rectangle(0.4, 0.1, mass), effects, place, 1.0)
-    motion = reference.simulate(case, method=method)
-    assert motion.status == "completed" and not reference.check(case, motion)
-    assert motion.vx[-1] == pytest.approx(0.0 if off > 0.0 else -2.0 * mu * off / mass * cos(slope), abs=1e-11)
 
 
 @METHOD

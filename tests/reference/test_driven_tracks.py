@@ -14,6 +14,7 @@ from cases import (
     Case,
     CoulombFriction,
     Drive,
+    Flight,
     Gravity,
     Load,
     Mode,

@@ -24,7 +24,6 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reference.solver import system
 from tests.composition.confirm import resumed
 from tests.scenes.walled_plates import random_walled_plates
 
@@ -108,25 +107,6 @@ def test_a_plate_with_a_velocity_of_roundings_rests(name, speed):
 def _pose(start, case: Case) -> tuple[float, float, float]:
     at = start.motion(case.track, case.plate.outline)
     return float(at.x), float(at.y), float(at.theta)
-
-
-# --- cost -------------------------------------------------------------------------------------------------------------
-
-
-def rolling_polygon(corners: int, duration: float) -> Case:
-    """A regular polygon of radius 0.2 m that rolls from corner to corner at 1 m/s."""
-    r, angles = 0.2, 2.0 * pi * (np.arange(corners) + 0.5) / corners - 0.5 * pi
-    plate = Plate.polygon([(r * cos(a), r * sin(a)) for a in angles.tolist()], 1.0)
-    start = StartPose(0.0, r * cos(pi / corners), 0.0, 1.0, 0.0, -1.0 / r)
-    return Case(line(), plate, effects(0.8), start, duration)
-
-
-def test_equations_of_a_polygon_do_not_depend_on_the_corner_that_touches():
-    """The derivation of new ones at each corner took 229 s for one second of a polygon of 200 corners."""
-    system.solver_system.cache_clear()
-    motion = reference.simulate(rolling_polygon(30, 0.4), method="dop853")
-    assert motion.status == "completed" and len(motion.transitions) > 10
-    assert system.solver_system.cache_info().misses <= 8
 
 
 # --- starts -----------------------------------------------------------------------------------------------------------

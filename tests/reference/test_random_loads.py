@@ -1,60 +1,37 @@
-"""Random loads of every width in every variable: motions end within a CPU limit, conserve energy and agree with a fine
-integration."""
+"""Random loads of every width in every variable: motions end within a CPU limit and break no law."""
 
 import numpy as np
 import pytest
 
 import reference
 from cases import Case, Gravity, Load, Start, Unilateral, disc
-from cases.contact import start_motion
 from cases.library import line
 from tests.scenes.limits import cpu_limit
-from tests.scenes.loads import ALONG, G, by_hand, distance, growth, scene
+from tests.scenes.loads import G, scene
 
 # CPU seconds for one motion, with what it derives and compiles; most take half of one. A stiff moment (seed 1283: the
 # spin decays at 14,000/s, and DOP853 tries steps beyond its limit of stability) takes eleven.
 PATIENCE = 20.0
-NAMES = ("x", "y", "theta", "vx", "vy", "omega")
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+ENDINGS = ("completed", "landing", "lift_off")
 
 
 def check(seed: int) -> None:
-    """Hold one random load's motion, by both methods and at a random tolerance, to the motion by hand and to energy."""
+    """The motion under one random load, by both methods and at a random tolerance, breaks no law. It may end with a
+    sentence where a moment spins the plate to 1e15 rad/s: no step has the tolerance any more."""
     rng = np.random.default_rng(seed)
     case, terms = scene(rng)
     rtol = float(rng.choice(TOLERANCES))
-    begin = start_motion(case)
-    with cpu_limit(2.0 * PATIENCE):
-        hand = by_hand(case, terms)
-    allowed = 30.0 * rtol + 1e-10
     for method in reference.METHODS:
         about = (seed, method, rtol, [(term.component, term.formula) for term in terms])
         with cpu_limit(PATIENCE):
             motion = reference.simulate(case, rtol=rtol, method=method)
-            status, time = motion.status, float(motion.t[-1])
-            state = [float(getattr(motion(motion.t[-1]), name)) for name in NAMES]
-        # A speed of the centre is a difference of two in the contact, which turn with the angle and its rounding.
-        rounding = 4.0 * np.finfo(float).eps * abs(hand.state[2])
-        if status == "unfinished" or (status == "breakdown" and rounding > 30.0 * rtol):
-            # It ended with a sentence, and is held to energy up to there. (A moment may spin a plate to 1e15 rad/s: no
-            # step has the tolerance any more.)
-            assert rtol <= 1e-10 or rounding > 30.0 * rtol, about
-        else:
-            assert status == hand.status, about
-            off = distance(hand, state, time)
-            assert off <= allowed or off <= allowed * growth(case, terms, hand), (off, about)
-        if all(term.conservative for term in terms):
-            places = {name: (float(getattr(begin, name)), state[NAMES.index(name)]) for name in ALONG.values()}
-            work = [term.work(*places[term.variable]) for term in terms]
-            first, last = (energy(case, values) for values in ([getattr(begin, n) for n in NAMES], state))
-            size = abs(first) + abs(last) + sum(map(abs, work))
-            assert abs(last - first - sum(work)) <= 10.0 * allowed * size, (last - first - sum(work), about)
-
-
-def energy(case, state) -> float:
-    """Kinetic energy and that of the height, J."""
-    _, y, _, vx, vy, omega = state
-    return 0.5 * case.plate.mass * (vx**2 + vy**2 + 2.0 * G * y) + 0.5 * case.plate.inertia * omega**2
+        spins = 4.0 * np.finfo(float).eps * abs(float(motion(motion.t[-1]).theta)) > 30.0 * rtol
+        is_stopped = (
+            motion.status == "unfinished" and rtol <= 1e-10 or motion.status in ("unfinished", "breakdown") and spins
+        )
+        assert motion.status in ENDINGS or is_stopped, (motion.status, about)
+        assert not reference.check(case, motion, rtol), about
 
 
 def test_moment_far_in_the_tail_of_tanh_is_constant():

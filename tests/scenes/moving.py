@@ -3,13 +3,12 @@ must hold for each of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import pytest
 
 import reference
 from cases import (
-    BadValue,
     Case,
     ContactEffect,
     ContactForce,
@@ -20,8 +19,6 @@ from cases import (
     disc,
 )
 from cases.library import line
-from cases.moving_frame import relative_case
-from tests.scenes.motions import in_other_units, mirrored
 
 G, R, M = 9.81, 0.1, 1.0
 METHODS = pytest.mark.parametrize("method", [*reference.METHODS, "augmented"])
@@ -55,31 +52,3 @@ class Adhesion(ContactEffect):
             self.pull * mass * length / time**2, self.drag * mass / time, self.brake * mass * length**2 / time,
             self.growth / time,
         )  # fmt: skip
-
-
-# --- what must hold ---------------------------------------------------------------------------------------------------
-
-
-def _in_other_units(case: Case) -> Case:
-    scales = 2.5, 1.7, 3.1
-    own = {effect: effect.in_other_units(*scales) for effect in case.effects if isinstance(effect, Adhesion)}
-    other = in_other_units(case, *scales, turn=0.7)
-    return replace(other, effects=tuple(own.get(e, e) if isinstance(e, Adhesion) else e for e in other.effects))
-
-
-def check_invariance(case: Case) -> bool:
-    """The mirror image, and the scene turned and in other units, have the same transitions; false if the formulas of
-    the turned scene are too long."""
-    here = reference.simulate(case, rtol=1e-13)
-    for change in (mirrored, _in_other_units):
-        try:
-            other = change(case)
-            relative_case(other)
-        except BadValue:
-            return False
-        there, unit = reference.simulate(other, rtol=1e-13), other.duration / case.duration
-        assert there.status == here.status
-        assert [t.time / unit for t in there.transitions] == pytest.approx(
-            [t.time for t in here.transitions], abs=1e-10
-        )
-    return True
