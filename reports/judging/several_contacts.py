@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, Mode, Trajectory, Transition
 from cases.motion.trajectory import CONTACT
-from cases.scene.supports import effects_at
+from cases.scene.supports import base_of, effects_at
 
 from . import ledger
 from .distances import differences
@@ -190,15 +190,19 @@ class ContactReader:
 
     def __init__(self, case: Case, contact: str, gap: Callable[[np.ndarray], np.ndarray]):
         self.gap, self.bound = gap, stick_bound(effects_at(case, contact))
+        plates = {"plate": case.plate} | {other.name: other.plate for other in case.others}
+        # Stuck to what is fixed, such a plate rests.
+        self.may_rest = not plates[contact.partition("/")[0]].turns and base_of(contact) not in plates
 
     def __call__(self, case: Case, motion: Trajectory) -> Reading:
-        return _OneOfSeveral(case, motion, self.gap(motion.t), self.bound).reading()
+        return _OneOfSeveral(case, motion, self.gap(motion.t), self.bound, self.may_rest).reading()
 
 
 class _OneOfSeveral(MotionReader):
-    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray, bound: float | None):
+    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray, bound: float | None, may_rest: bool):
         super().__init__(case, motion)
         self.gap, self.bound = gap, bound
+        self.turns = self.turns or may_rest
 
     def _contact(self, stretch: SampleStretch) -> Reading:
         first = stretch.start + (_EDGE if stretch.start else 0)

@@ -100,8 +100,7 @@ class MotionReader:
         self.resolution = max(trajectory.slip_resolution, slip_phases.ROUNDING * speed / slip_phases.SURELY)
         self.smallest_jump = _SMALLEST_JUMP * speed
         self.bound = stick_bound(case.effects)
-        # Whether a contact that does not slip may rest. Without rolling resistance one on supports, or of several
-        # plates, rolls, whether or not its plate turns.
+        # Whether a contact that does not slip may rest: with rolling resistance, or where its plate cannot turn.
         has_one_contact = not case.others and not touches_by_features(case)
         resists = has_rolling_resistance(case) and not case.others
         self.turns = resists or (not case.plate.turns and has_one_contact)

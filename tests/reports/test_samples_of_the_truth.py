@@ -24,6 +24,7 @@ QUICK = (
     "bouncing_disc[e=0.8]",  # hops that are lower than a hundredth of the disc
     "disc_off_ramp",  # its normal force fades for 30 ms
     "hopping_rod",
+    "disc_on_free_hemisphere",  # a plate that cannot turn rests on the track, and another one rolls on it
     "box_on_shaken_table",
     "ladder_at_wall[mu=0.1,mu_wall=0.2]",
 )
