@@ -27,6 +27,8 @@ from .page import report_folder
 COMMAND = "reports.deposit"
 PACKAGE = "tables/datapackage.json"
 AUTHORS = "the slip-to-roll authors"
+# The name of an archive, before its version.
+ARCHIVE = "slip-to-roll-results"
 KEYWORDS = ("multibody dynamics", "Coulomb friction", "contact", "benchmark", "physics engines")
 _ABSTRACT = (
     "Errors and costs of physics engines for rigid plates on planar curves with Coulomb friction, compared with "
@@ -54,7 +56,7 @@ def pack(folder: Path, archive: Path, replace: bool = False) -> Path:
     """
     names = report_folder.of_report(folder, "release").names()
     release = _release(folder)
-    root = f"slip-to-roll-results-{release.version}"
+    root = f"{ARCHIVE}-{release.version}"
     size = sum((folder / name).stat().st_size for name in names)
     metadata = {
         ".zenodo.json": _as_json(_zenodo(release)),
@@ -167,7 +169,7 @@ def main(arguments: Namespace, words: list[str]) -> None:
     """Pack the report and print the archive's path."""
     folder = user_files.place("folder", arguments.FOLDER).resolve()
     release = _release(folder)
-    archive = user_files.place("file of --out", arguments.out or f"slip-to-roll-results-{release.version}.zip")
+    archive = user_files.place("file of --out", arguments.out or f"{ARCHIVE}-{release.version}.zip")
     if archive.suffix != ".zip":
         raise BadValue(f"--out is {str(archive)!r}; give a file that ends in .zip")
     check_new(archive, arguments.force)

@@ -1,9 +1,9 @@
-"""`python -m reports.publish REPORT`: publish a report with its release, in docs/results/VERSION.
+"""`slip-to-roll release publish REPORT`: publish a report with its release.
 
-The tables and the page are copied; links to the figures of single cases are removed from the page, because these are
-twice as large as all other files, and one command makes them again. The data package gets version, licence and digests;
-constraints.txt lists the installed packages. In a clone, the README's first picture and numbers are updated
-from the report. Nothing is run.
+docs/results/VERSION has what a clone keeps: the tables of the verdict, the accuracies that a test computes again, the
+README's picture, the manifest, constraints.txt with the installed packages, and the digests of all files. The whole
+release, with its page and all tables, is one archive next to that folder, for a data repository. In a clone, the
+README's first picture and numbers are updated from the report. Nothing is run.
 
 Exit status: 0; 2, with one sentence, if the folder contains no report suitable for a release; 1 if files cannot be
 written.
@@ -19,6 +19,7 @@ import sys
 import textwrap
 from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
+from fnmatch import fnmatchcase
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -27,15 +28,15 @@ import cases
 from cases import BadValue
 from cases.errors import finite
 from cases.files import user_files
-from cases.files.owned_folder import digest, write
+from cases.files.owned_folder import LIST, OwnedFolder, TemporaryFolder, digest, write
 
-from . import options
+from . import deposit, options
+from .deposit import PACKAGE
 from .page import report_folder
 
 COMMAND = "reports.publish"
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
-PACKAGE = "tables/datapackage.json"
 CONSTRAINTS = "constraints.txt"
 # Licence of the results: docs/licences.md.
 LICENCE = {
@@ -47,32 +48,60 @@ LICENCE = {
 CASE = "disc_in_circle[mu=0.2]"
 PICTURE = "figures/headline.png"
 _FIGURES = (PICTURE, "figures/headline.svg")
-BEGIN, END = "<!-- written by `python -m reports.publish` -->", "<!-- until here -->"
+# Files of a release that a clone keeps, and the list with the digests of all.
+KEPT = (
+    report_folder.MANIFEST, CONSTRAINTS, PACKAGE, *_FIGURES, "tables/columns.md", "tables/verdict.*",
+    "tables/pairs.csv", "tables/headline.csv", "tables/levels.csv", "tables/truth.csv", "tables/trajectories.csv",
+    "tables/impacts.csv",
+)  # fmt: skip
+DIGESTS = "release.sha256"
+BEGIN, END = "<!-- written by `slip-to-roll release publish` -->", "<!-- until here -->"
 
 
-def publish(report: Path, results: Path) -> Path:
-    """Copy the report to `results`/VERSION, replacing an earlier one; returns that folder.
+def publish(report: Path, results: Path) -> tuple[Path, Path]:
+    """Write `results`/VERSION, replacing an earlier one, and the archive of the whole release; returns both paths.
 
-    Raises BadValue for a report that is not suitable for a release, OSError if the folder cannot be written.
+    Raises BadValue for a report that is not suitable for a release, OSError if the files cannot be written.
     """
     names = report_folder.of_report(report).names()
     manifest = _manifest(report)
     _check(manifest, report, names)
-    place = report_folder.of_report(results / cases.__version__, "release")
+    place = _folder(results / cases.__version__)
     place.check()
-    with place.staging(whole=True) as partial:
-        files = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
-        for name in files:
-            (partial / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(report / name, partial / name)
-        page = _by_itself(_text(report / report_folder.PAGE), files)
-        (partial / report_folder.PAGE).write_text(page, encoding="utf-8")
-        package = _describe(_json(report / PACKAGE), manifest, partial, names)
-        (partial / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
-        (partial / CONSTRAINTS).write_text(_constraints(manifest), encoding="utf-8")
-        report_folder.sign(partial, manifest | {"licence": LICENCE["name"]})
-        numbers(partial)
-    return place.path
+    with TemporaryFolder() as temporary, place.staging(whole=True) as partial:
+        whole = report_folder.of_report(temporary / "release", "release")
+        with whole.staging(whole=True) as files:
+            _write(report, names, manifest, files)
+        numbers(whole.path)
+        archive = deposit.pack(whole.path, results / f"{deposit.ARCHIVE}-{cases.__version__}.zip", replace=True)
+        keep(whole.path, partial)
+    return place.path, archive
+
+
+def keep(release: Path, place: Path) -> None:
+    """Copy those files of a whole release into a folder that a clone keeps."""
+    for name in report_folder.of_report(release, "release").names():
+        if any(fnmatchcase(name, pattern) for pattern in KEPT):
+            (place / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(release / name, place / name)
+    shutil.copyfile(release / LIST, place / DIGESTS)
+
+
+def _folder(path: Path) -> OwnedFolder:
+    return OwnedFolder(path, "release", (report_folder.MANIFEST, "tables/*", "figures/*"), (report_folder.MANIFEST,))
+
+
+def _write(report: Path, names: Sequence[str], manifest: dict[str, Any], place: Path) -> None:
+    """Write all files of the release of a report."""
+    files = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
+    for name in files:
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(report / name, place / name)
+    _check_page(_text(report / report_folder.PAGE), files)
+    package = _describe(_json(report / PACKAGE), manifest, place, names)
+    (place / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
+    (place / CONSTRAINTS).write_text(_constraints(manifest), encoding="utf-8")
+    report_folder.sign(place, manifest | {"licence": LICENCE["name"]})
 
 
 def releases(results: Path = RESULTS) -> list[Path]:
@@ -162,21 +191,14 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
 # --- files of the published report ------------------------------------------------------------------------------------
 
 
-# References of a page to separate figures: for readers without scripts, links around embedded figures, lines of links.
-_LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as separate figures\.</p>')
-_LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
-_SEPARATE = re.compile(r'<div class="printed">.*?</div>', re.DOTALL)
-_INSTEAD = "<noscript><p>The plot is drawn by scripts here, and as figures by a report of your own.</p></noscript>"
 _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 
-def _by_itself(page: str, files: Sequence[str]) -> str:
-    """The page without references to separate figures; raises BadValue if it refers to a file that is not published."""
-    page = _LINK.sub(r"\1", _LINE.sub("", _SEPARATE.sub(_INSTEAD, page)))
+def _check_page(page: str, files: Sequence[str]) -> None:
+    """Raises BadValue if the page refers to a file that is not published."""
     missing = sorted({*_REFERENCE.findall(page)} - {*files})
     if missing:
         raise BadValue(f"the page refers to {missing[0]}, which is not published; correct {COMMAND}")
-    return page
 
 
 def _describe(package: Any, manifest: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
@@ -217,68 +239,27 @@ def headline(place: Path) -> str:
     at = f"docs/results/{place.name}"
     alt = "Slip velocity of a disc inside a circle, and the error of each solver"
     picture = f"![{alt}]({at}/{PICTURE})"
-    see = f"[The page]({at}/index.html) and [all tables]({at}/tables) are of version {place.name}."
+    see = f"[Tables]({at}/tables) and [page](docs/published.md) are of version {place.name}."
     text = textwrap.fill(f"{numbers(place)} {see}", 120, break_long_words=False, break_on_hyphens=False)
     return f"{BEGIN}\n{picture}\n\n{text}\n{END}"
 
 
-# Engines of the README, and what the grid of their default settings combines.
-_ENGINES = {"pymunk": ("pymunk", "steps and facets"), "exudyn": ("Exudyn", "steps, stiffnesses and regularisations")}
+_ENGINES = {"pymunk": "pymunk", "exudyn": "Exudyn"}
 
 
 def numbers(place: Path) -> str:
-    """Sentences with the time at which the paper's disc starts to roll, and the errors of two engines, native, with
-    default settings."""
+    """Sentences with the time at which the paper's disc starts to roll, and one number for each engine of the README:
+    how far it is off by itself with default settings."""
+    from .judging.grades import percent
+
     when, bar = (_number(place, "truth", name, case=CASE, event="1") for name in ("time", "truth_error_bar"))
+    errors = {
+        name: percent(_number(place, "headline", "default_off", case=CASE, solver=solver, route="native"))
+        for solver, name in _ENGINES.items()
+    }
+    engines = " and ".join(f"{name} is {error} off" for name, error in errors.items())
     start = f"A disc released inside a circle starts to roll after {when:.9f} s; the error bar is {bar:.0e} s."
-    engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
-    words = f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)"
-    return f"{words}{_friction(place)}.{_in_common(place)}"
-
-
-def _in_common(place: Path) -> str:
-    """The errors of the engines over the cases that all of them answer; "" up to version 0.2.0."""
-    from .judging.grades import percent
-
-    rows = list(csv.DictReader(StringIO(_text(place / "tables" / "verdict.csv"), newline="")))
-    own = [row for row in rows if not row.get("our_part") and row.get("common_finest_off")]
-    if not own or not own[0].get("common_default_off"):
-        return ""
-    try:
-        errors = "; ".join(
-            " and ".join((f"{row['solver']} {percent(usual)}", percent(finest)))
-            for row in own
-            for usual, finest in [(float(row["common_default_off"]), float(row["common_finest_off"]))]
-        )
-    except ValueError:
-        raise BadValue(f"tables/verdict.csv of the report has an error that is no number; {_AGAIN}") from None
-    many = own[0]["common_cases"]
-    return f" On the {many} cases that all engines answer, by default and at the finest setting: {errors}."
-
-
-def _friction(place: Path) -> str:
-    """What 1 % off means in friction, over the published cases that rank engines."""
-    from .analysis.verdict import cost_of_friction
-
-    rows = csv.DictReader(StringIO(_text(place / "tables" / "truth.csv"), newline=""))
-    values = {row["case"]: row["friction_sensitivity"] for row in rows if not row.get("not_ranked")}
-    try:
-        words = cost_of_friction([finite("friction_sensitivity", float(value)) for value in values.values() if value])
-    except ValueError:
-        raise BadValue(f"tables/truth.csv of the report has no friction_sensitivity; {_AGAIN}") from None
-    return f". {words}" if words else ""
-
-
-def _default_words(place: Path, solver: str, words: tuple[str, str]) -> str:
-    """An engine's off with default settings: the median and range over its grid of usual values."""
-    columns = ("default_off", "default_off_best", "default_off_worst", "default_settings")
-    keys = {"case": CASE, "solver": solver, "route": "native"}
-    median, low, high, count = (_number(place, "headline", column, **keys) for column in columns)
-    from .judging.grades import percent
-
-    bounds = f"{percent(low).removesuffix(' %')} to {percent(high)}"
-    name, parameters = words
-    return f"{name} is {percent(median)} off (median; {bounds} over {count:.0f} usual combinations of {parameters})"
+    return f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)."
 
 
 def _number(place: Path, table: str, column: str, **keys: str) -> float:
@@ -325,11 +306,12 @@ def main(arguments: Namespace, words: list[str]) -> None:
     results = user_files.place("folder of --out", arguments.out).resolve()
     if results == RESULTS:
         around(ROOT / "README.md")  # before anything is written
-    place = publish(user_files.place("report", arguments.REPORT), results)
+    place, archive = publish(user_files.place("report", arguments.REPORT), results)
     if results == RESULTS:
         refresh(ROOT / "README.md", place)
-    size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
-    print(f"{place}, {size / 1e6:.1f} MB")
+    for path in (place, archive):
+        files = [path] if path.is_file() else [file for file in path.rglob("*") if file.is_file()]
+        print(f"{path}, {sum(file.stat().st_size for file in files) / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":

@@ -41,7 +41,8 @@ FLOORS = (
 )  # fmt: skip
 # Commands that name one case with the same words, and `compare` with its two questions about reports.
 NEIGHBOURS = {
-    "export": {"show"}, "animate": {"show"}, "compare": {"compare_builds", "gate"}, "gate": {"compare_builds"},
+    "export": {"show"}, "animate": {"show"}, "publish": {"deposit"},
+    "compare": {"compare_builds", "gate"}, "gate": {"compare_builds"},
 }  # fmt: skip
 
 

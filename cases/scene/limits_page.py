@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from textwrap import fill
-
 from .limits import LIMITS, Limit, Reason, Scope
 
 _HEAD = """# Limits
@@ -15,6 +13,24 @@ What the reference does not compute, or computes without a certificate, and why:
 built yet*. A case that has a limit is rejected in one sentence before anything runs. Where the limit is for several
 contacts, a plate on its track alone runs until it touches in a second place: the motion ends there with the status
 `second_contact`. Motions without a certificate are checked by the laws of mechanics only.
+"""
+# What no row of the table decides.
+_TAIL = """## Where a simulation stops
+
+- Rigid Coulomb contact has paradoxes (Painlevé), and states with several motions. The simulation stops there and
+  reports the place, with the status `paradox` or `not_unique`.
+- Impacts have no duration. Newton's law of restitution can create energy where friction reverses the slip; the
+  simulation then stops and reports it. With Moreau's law, which engines with a fixed step use, it continues.
+- A plate does not land on the ends of an open curve.
+- The paper's own matrix (method `augmented`) is solved at corners at single instants only.
+
+## Engines, platforms and times
+
+- `slip-to-roll cases show CASE` lists which engines support a case, with the reason of each that does not. All adapters
+  reject rolling resistance at several contacts.
+- heyoka (the Taylor method) has wheels for Linux only. Elsewhere DOP853 is used, which is about ten times slower and
+  has errors of 1e-14 s instead of 1e-15 s.
+- Times in the tables are from one machine and one run. Compare only ratios within a run.
 """
 _COLUMNS = ("not possible", "why", "reason", "instead")
 # Scopes of `reference.simulate`.
@@ -28,31 +44,25 @@ def as_page() -> str:
         lines += [f"## {_capital(scope)}", "", f"| {' | '.join(_COLUMNS)} |", "|---" * len(_COLUMNS) + "|"]
         lines += [f"| {' | '.join(_cells(row))} |" for row in LIMITS if row.scope is scope]
         lines.append("")
-    return "\n".join([*lines, "Made by `python -m cases.scene.limits_page > docs/limits.md`; a test compares."])
+    return "\n".join([*lines, _TAIL, "Made by `python -m cases.scene.limits_page > docs/limits.md`; a test compares."])
 
 
 def in_three_lines() -> str:
     """The limits in three items of a list, for the README."""
     rows = [row for row in LIMITS if row.scope in _OF_SIMULATION]
-    later = [row for row in rows if row.reason is Reason.NOT_BUILT]
+    later = [f"{row.feature.partition(' (')[0]} ({row.scope})" for row in rows if row.reason is Reason.NOT_BUILT]
     scenes = sum(row.scope is Scope.SHAPES for row in LIMITS)
     items = (
-        f"Not built yet, and rejected in one sentence. {_capital(_in_short(later))}.",
-        f"Mechanics excludes {len(rows) - len(later)} combinations of effects, such as Impact without Flight. Motions "
-        f"with several contacts in {scenes} kinds of scenes are checked by their laws only, and have no certificate.",
-        "[Limits](docs/limits.md) has each of them with its reason and what to give instead.",
+        f"Not built yet: {'; '.join(later) or 'nothing'}.",
+        f"Mechanics excludes {len(rows) - len(later)} combinations of effects; several contacts in {scenes} kinds of "
+        "scenes have no certificate.",
+        "Where rigid contact has no motion, or several, a simulation stops and says so: [all limits](docs/limits.md).",
     )
-    return "\n".join(fill(item, 120, initial_indent="- ", subsequent_indent="  ") for item in items)
+    return "\n".join(f"- {item}" for item in items)
 
 
 def _cells(row: Limit) -> tuple[str, ...]:
     return _capital(row.feature), row.reason, row.why, row.sentence.format("it").rpartition("; ")[2]
-
-
-def _in_short(rows: list[Limit]) -> str:
-    scopes = dict.fromkeys(row.scope for row in rows)
-    parts = {scope: ", ".join(row.feature for row in rows if row.scope is scope) for scope in scopes}
-    return "; ".join(f"{scope}: {text}" for scope, text in parts.items())
 
 
 def _capital(text: str) -> str:

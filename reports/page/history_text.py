@@ -1,4 +1,4 @@
-"""The history of engines as Markdown: what each release changed, and a line per case and route."""
+"""The history of engines as Markdown: what each release changed, and a line per case and route with a change."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def render(lines: Sequence[Mapping[str, Any]], releases: Sequence[Mapping[str, A
         "one, or if off differs by more than one percent of it."
     )
     note = (
-        f"makes this page, an HTML page and the tables. The runs are of {origin}. With `--from-source`, versions "
+        f"makes this page and the tables. The runs are of {origin}. With `--from-source`, versions "
         "without a wheel for this Python are compiled. The tables: [every line](engine_history/history_lines.csv), "
         "[every release](engine_history/history_releases.csv)."
     )
@@ -55,15 +55,17 @@ def _engine(engine: str, lines: Sequence[Mapping[str, Any]], releases: Sequence[
         digits = sum(int(row["digits"]) for row in ran)
         text += " No release changed an answer." if digits else " No release changed a single digit of an answer."
     parts = [f"## {TITLES.get(engine, engine)}", _fold(text)]
-    parts += ["\n".join(_change(engine, row) for row in changes)] if changes else []
+    if not changes:
+        return parts
     cells: dict[tuple[str, str], dict[str, str]] = {}
-    for row in lines:
+    changed = {(row["case"], row["route"]) for row in lines if row["changes"]}
+    for row in (row for row in lines if (row["case"], row["route"]) in changed):
         kind = "default" if "rung=defaults" in row["setting"] else "fine"
         text = row["oldest"] + (f"; **{row['changes']}**" if row["changes"] else "")
         cells.setdefault((row["case"], row["route"]), {})[kind] = _SMALL.sub("under 0.0001 %", text)
     table = ["| case | route | default settings | fine setting |", "| --- | --- | --- | --- |"]
     table += [f"| `{c}` | {r} | {each.get('default', '')} | {each.get('fine', '')} |" for (c, r), each in cells.items()]
-    return [*parts, "\n".join(table)]
+    return [*parts, "\n".join(_change(engine, row) for row in changes), "\n".join(table)]
 
 
 def _change(engine: str, row: Mapping[str, Any]) -> str:

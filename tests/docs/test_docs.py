@@ -3,7 +3,6 @@
 import importlib.util
 import json
 import re
-import shutil
 from itertools import islice
 from pathlib import Path
 
@@ -14,9 +13,10 @@ import reference
 from cases import registry
 from cases.pictures import animation
 from reference.proofs import command
-from reports import options, publish
+from reports import cli, options
 from reports.analysis import levels, time_to_accuracy
 from reports.analysis.columns import COLUMNS
+from reports.analysis.table_list import TABLES
 from reports.judging.grades import LIMITS
 from reports.running.names import REFERENCE
 
@@ -59,14 +59,15 @@ COMMANDS = [
     for page in PAGES
     for block in codes(page, "sh")
     for line in block.splitlines()
-    if line.startswith("python -m")
+    if line.startswith(("slip-to-roll ", "python -m"))
 ]
 
 
 @pytest.mark.parametrize(("page", "line"), COMMANDS, ids=[line for _, line in COMMANDS])
 def test_a_command_of_a_page_exists_and_takes_its_options(page, line):
-    module = line.split()[2]
-    assert importlib.util.find_spec(module) is not None
+    words = line.split()
+    name = next((one for one in (" ".join(words[1:3]), words[1]) if one in cli.COMMANDS), "")
+    assert importlib.util.find_spec(cli.COMMANDS[name][0] if name else words[2]) is not None
     known = {f"--{name.replace('_', '-')}" for name in options._OPTIONS}
     known |= {option for action in command.parser()._actions for option in action.option_strings}
     assert set(re.findall(r"--[a-z-]+", line)) <= known
@@ -95,9 +96,7 @@ def test_the_page_on_reports_lists_every_value_of_reached_and_names_columns_and_
     names = vars(levels) | vars(time_to_accuracy)
     values = {v for n, v in names.items() if n.isupper() and isinstance(v, str)} - {REFERENCE}
     assert set(re.findall(r"^\| `([^`]+)` \|", page, flags=re.M)) == values
-    # New since the last release.
-    new = {"pairs.csv", "verdict.csv", "levels.csv", "impacts.csv"}
-    tables = {path.name for path in (publish.releases()[-1] / "tables").iterdir()} | new
+    tables = {f"{name}.csv" for name in TABLES}
     assert {name for name in re.findall(r"(\w+\.csv)", page)} <= tables
     columns = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", page))
     assert columns and columns <= COLUMNS.keys() | {"timed_out"}
@@ -143,17 +142,3 @@ def test_the_pages_are_in_the_order_tutorial_how_to_reference_explanation():
     assert re.findall(r"^  - (.*):$", navigation, flags=re.M) == groups
     pages = re.findall(r": (\w+\.\w+)$", navigation, flags=re.M)
     assert ["index.md", *re.findall(r"^\| \[[^]]*\]\((\w+\.\w+)\)", index, flags=re.M)] == pages
-
-
-@pytest.mark.slow
-def test_the_site_is_built(tmp_path):
-    """mkdocs is strict: a page it does not know, or a name without a docstring's home, is an error."""
-    pytest.importorskip("mkdocstrings")
-    import subprocess
-    import sys
-
-    assert shutil.which("git")  # the site's pages are those of the repository
-    argv = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(tmp_path / "site")]
-    done = subprocess.run(argv, cwd=ROOT, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
-    assert "simulate" in (tmp_path / "site" / "api.html").read_text(encoding="utf-8")

@@ -63,12 +63,12 @@ WHOLE = "a whole default report takes minutes; --quick goes the same way"
 OF_A_RELEASE = "it changes the sources, at a release"
 
 NEW = Step(
-    "python -m cases new my_valley",
-    (r"^written: my_valley\.py; edit its curve, then python -m cases check my_valley\.py$",),
+    "slip-to-roll cases new my_valley",
+    (r"^written: my_valley\.py; edit its curve, then slip-to-roll cases check my_valley\.py$",),
     ("my_valley.py",),
 )
 CHECK = Step(
-    "python -m cases check my_valley.py",
+    "slip-to-roll cases check my_valley.py",
     (r"^my_valley: fits; slides forward for 0\.87 s, then rolls for 0\.022 s, then slides backward to the end of 2 s",),
 )
 ACCEPTED = Step("pytest --case-file=my_valley.py", (r"my_valley", r"verdict: all \d+ checks are within"), clone=True)
@@ -76,12 +76,12 @@ REPORT = ("report/index.html", "report/manifest.json", "report/tables/transition
 BUILT = (r"^1 case, \d+ runs: \d+ answered \(", r"/report/index\.html$")
 ASSISTED = r"^ *pymunk assisted +1 of 1 "
 EXPORTED = Step(
-    "python -m cases export disc_in_circle mu=0.2",
+    "slip-to-roll cases export disc_in_circle mu=0.2",
     (r"^written: disc_in_circle/scene\.json$", r"^written: disc_in_circle/motion\.csv$"),
     ("disc_in_circle/scene.json", "disc_in_circle/motion.csv"),
 )
 COMPARED = Step(
-    'python -m reports.compare "disc_in_circle[mu=0.2]" disc_in_circle/motion.csv',
+    'slip-to-roll compare "disc_in_circle[mu=0.2]" disc_in_circle/motion.csv',
     (
         r"^motion\.csv on disc_in_circle\[mu=0\.2\]: off .*: excellent; friction × 1; ",
         r"slip_forward\s+roll\s+0\.630053",
@@ -96,13 +96,13 @@ MY_ENGINE = {"my_engine": ("process_protocol.md", "js")}
 WALK = {
     "README.md": Page(
         (
-            Left("python -m reports.publish", OF_A_RELEASE),
+            Left("slip-to-roll release publish", OF_A_RELEASE),
             Left("make report", CLONE),
             Left("make test", CLONE),
             EXPORTED,
             COMPARED,
             Step(
-                "python -m reports.build --quick --engine ./my_engine",
+                "slip-to-roll report --quick --engine ./my_engine",
                 (
                     r"^ *(\d\. )?my_engine process +1 of 3 ",
                     r"^3 cases, \d+ runs: \d+ answered \(",
@@ -113,24 +113,23 @@ WALK = {
             ),
             NEW,
             CHECK,
-            Step("python -m reports.build --quick --case-file my_valley.py", (ASSISTED, *BUILT), REPORT),
+            Step("slip-to-roll report --quick --case-file my_valley.py", (ASSISTED, *BUILT), REPORT),
         ),
         MY_ENGINE,
     ),
     "add_a_case.md": Page(
         (
-            Left("python -m tests.scenes.point_set_figure point_sets.png", CLONE),
             NEW,
             CHECK,
             Step(
-                "python -m cases show my_valley mu=0.3",
+                "slip-to-roll cases show my_valley mu=0.3",
                 (r"^my_valley\[mu=0\.3\]$", r"begins: roll", r"reference: runs it", r"picture: my_valley\.png"),
                 ("my_valley.png",),
             ),
-            Step("python -m reports.animate my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
+            Step("slip-to-roll cases film my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
             ACCEPTED,
             Step(
-                "python -m reports.build --case-file my_valley.py",
+                "slip-to-roll report --case-file my_valley.py",
                 (r"^Off \(100 %: as bad as ignoring friction's law\)", ASSISTED, *BUILT),
                 REPORT,
             ),
@@ -142,41 +141,38 @@ WALK = {
             EXPORTED,
             COMPARED,
             Step(
-                'python -m reports.build --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
+                'slip-to-roll report --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
                 (r"^ *(\d\. )?mine file +1 of 1 +– +< 0\.0001 % +0 \+ 1 +1$", ASSISTED, *BUILT),
                 REPORT,
             ),
             Step(
-                "python -m reports.study error_parts",
+                "slip-to-roll report study error_parts",
                 (r"^written: .*error_parts/error_parts\.csv$",),
                 ("error_parts/error_parts.csv",),
             ),
         )
     ),
-    "architecture.md": Page(
-        (Step('python -m reports.build --case "disc_in_circle[mu=0.2]"', (ASSISTED, *BUILT), REPORT),)
-    ),
+    "architecture.md": Page((Step('slip-to-roll report --case "disc_in_circle[mu=0.2]"', (ASSISTED, *BUILT), REPORT),)),
     "cluster.md": Page(
         (
             Step(
-                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200 --jobs 2",
+                "slip-to-roll sweep disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200 --jobs 2",
                 (*SWEPT, r"5,990  slips forward, then slips backward$"),
                 MAP,
             ),
             Step(
-                "python -m reports.sweep disc_in_circle --vary mu=1e-3:10:log --vary xi1=0:1.5 --sample sobol "
+                "slip-to-roll sweep disc_in_circle --vary mu=1e-3:10:log --vary xi1=0:1.5 --sample sobol "
                 "--number 65536 --out drawn",
                 (r"^65536 scenarios of disc_in_circle, 65536 of them made now",),
                 ("drawn/sweep.json", "drawn/map.svg"),
             ),
             Step(
-                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.19:4 --vary xi1=0:1.4:8 --refine 1e-10 "
-                "--out edges",
+                "slip-to-roll sweep disc_in_circle --vary mu=0.01:0.19:4 --vary xi1=0:1.4:8 --refine 1e-10 --out edges",
                 (r"^32 scenarios of disc_in_circle, 32 of them made now", r"^boundaries: .*\(\d+ points, \d+ more"),
                 ("edges/sweep.json", "edges/map.svg"),
             ),
             Step(
-                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.4:31 --vary xi1=0:1.5:25 "
+                "slip-to-roll sweep disc_in_circle --vary mu=0.01:0.4:31 --vary xi1=0:1.5:25 "
                 "--solver exudyn pymunk --out engines",
                 (r"exudyn", r"pymunk", r"^775 scenarios of disc_in_circle, 775 of them made now"),
                 ("engines/sweep.json", "engines/map.svg"),
@@ -185,11 +181,11 @@ WALK = {
             Left("node1$ dask worker tcp://node0:8786 --nworkers 16 --nthreads 1", NODES),
             Left("node2$ dask worker tcp://node0:8786 --nworkers 16 --nthreads 1", NODES),
             Left(
-                "node0$ python -m reports.sweep disc_in_circle --vary mu=0.01:0.5:30000 --vary xi1=0:1.5:30000 "
+                "node0$ slip-to-roll sweep disc_in_circle --vary mu=0.01:0.5:30000 --vary xi1=0:1.5:30000 "
                 "--dask tcp://node0:8786",
                 NODES,
             ),
-            Left("python -m reports.build --dask tcp://node0:8786", NODES),
+            Left("slip-to-roll report --dask tcp://node0:8786", NODES),
         )
     ),
     "engine_history.md": Page(
@@ -206,15 +202,14 @@ WALK = {
         (
             Left("python3 -m venv .venv", "the walk installs the wheel in an environment of its own"),
             Left('.venv/bin/pip install -e ".[taylor,test]"', CLONE),
-            Left(".venv/bin/python -m reports.build", CLONE),
+            Left(".venv/bin/slip-to-roll report", CLONE),
             Left(".venv/bin/python -m pytest", CLONE),
             Left('pipx install ".[taylor]"', "the walk installs the wheel in an environment of its own"),
             Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
-            Left("python -m reports.build", WHOLE),
         )
     ),
     "limits.md": Page((Left("python -m cases.scene.limits_page > docs/limits.md", OF_A_RELEASE),)),
-    "own_effects.md": Page((Left("python -m adapters.laws", "the form of the command on the page of engines"),)),
+    "own_effects.md": Page((Left("slip-to-roll laws", "the form of the command on the page of engines"),)),
     "page.md": Page(
         (
             Left("python -m reports.page.vendor", OF_A_RELEASE),
@@ -226,32 +221,32 @@ WALK = {
     "paper.md": Page(
         (
             Left("python -m tests.benchmarks paper", CLONE),
-            Left("python -m reference --prove disc_in_circle", "the page of proofs does it"),
+            Left("slip-to-roll prove disc_in_circle", "the page of proofs does it"),
         )
     ),
     "process_protocol.md": Page(
         (
             Step(
-                'python -m reports.build --engine ./my_engine --case "disc_on_line[mu=0.1]"',
+                'slip-to-roll report --engine ./my_engine --case "disc_on_line[mu=0.1]"',
                 (r"^ *(\d\. )?my_engine process +1 of 1 ", *BUILT),
                 REPORT,
                 needs="node",
             ),
-            Step("python -m adapters.laws ./my_engine", (r"^my_engine: .*\d+ kept",), needs="node"),
+            Step("slip-to-roll laws ./my_engine", (r"^my_engine: .*\d+ kept",), needs="node"),
             Step(
-                "python -m cases export disc_on_line mu=0.1",
+                "slip-to-roll cases export disc_on_line mu=0.1",
                 (r"^written: disc_on_line/motion\.csv$",),
                 ("disc_on_line/scene.json", "disc_on_line/motion.csv"),
             ),
-            Left("python -m reports.build --quick --engine ./my_engine", "README has it"),
+            Left("slip-to-roll report --quick --engine ./my_engine", "README has it"),
             Step(
-                "python -m reports.build --quick --engine ./my_engine --points 5001",
+                "slip-to-roll report --quick --engine ./my_engine --points 5001",
                 (r"^ *(\d\. )?my_engine process +1 of 3 ", r"/report/index\.html$"),
                 REPORT,
                 needs="node",
             ),
             Step(
-                "python -m cases export disc_in_circle --points 5001",
+                "slip-to-roll cases export disc_in_circle --points 5001",
                 (r"^written: disc_in_circle/scene\.json$",),
                 ("disc_in_circle/scene.json", "disc_in_circle/track.csv"),
             ),
@@ -262,7 +257,7 @@ WALK = {
         (
             Left('pip install -e ".[proofs]"', "the walk installs the wheel, and python-flint before the next step"),
             Step(
-                'python -m reference --prove "disc_in_circle[mu=0.2]" --digits 50',
+                'slip-to-roll prove "disc_in_circle[mu=0.2]" --digits 50',
                 (
                     r"\[0\.63005376392730307737114978183480012127161082126899",
                     r"^written: disc_in_circle_mu_0\.2\.proof\.json",
@@ -271,57 +266,55 @@ WALK = {
                 before="python -m pip install --quiet --disable-pip-version-check python-flint",
             ),
             Step(
-                "python -m reference.proof_checker disc_in_circle_mu_0.2.proof.json",
+                "slip-to-roll prove check disc_in_circle_mu_0.2.proof.json",
                 (r"^confirmed: disc_in_circle\[mu=0\.2\], 4 transitions",),
             ),
         )
     ),
     "published.md": Page(
         (
+            Left("slip-to-roll report", WHOLE),
+            Left("slip-to-roll release publish report", OF_A_RELEASE),
             Step(
                 "slip-to-roll release deposit docs/results/0.2.0",
                 (r"^slip-to-roll-results-0\.2\.0\.zip, \d+\.\d MB: upload it",),
                 ("slip-to-roll-results-0.2.0.zip",),
                 before=f"ln -s {ROOT / 'docs'} docs",
             ),
-            Left("python -m reports.build", WHOLE),
-            Left("python -m reports.publish report", OF_A_RELEASE),
         )
     ),
     "report.md": Page(
         (
-            Left("python -m reports.build", WHOLE),
+            Left("slip-to-roll report", WHOLE),
             Left(
-                "python -m reports.build --solver pymunk@6.11.1 pymunk@7.3.1",
+                "slip-to-roll report --solver pymunk@6.11.1 pymunk@7.3.1",
                 "a whole default report; tests/reports/test_versions.py makes a small one",
             ),
             Left(
-                "python -m reports.compare report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
+                "slip-to-roll compare report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
                 "it reads the report above",
             ),
             Left(
                 "slip-to-roll history pymunk exudyn box2d",
                 "it installs 40 versions; tests/reports/test_history.py runs two",
             ),
-            Left("python -m reports.history", "the form of the command above"),
             Left(
                 "slip-to-roll compare A report --solver exudyn --worse-than 10%",
                 "A stands for a report of the reader's",
             ),
-            Left("python -m reports.compare", "the form of the command above; tests/reports/test_gate.py runs it"),
             Step(
-                'python -m cases show "disc_in_circle[mu=0.2]" --engines --out disc.pdf',
+                'slip-to-roll cases show "disc_in_circle[mu=0.2]" --engines --out disc.pdf',
                 (r"^engines: .*disc_engines\.pdf$", r"^errors: .*disc_errors\.pdf$"),
                 ("disc.pdf", "disc_engines.pdf", "disc_errors.pdf"),
             ),
-            Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
+            Step("slip-to-roll report --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
-                "python -m reports.study stability",
+                "slip-to-roll report study stability",
                 (r"stability/stability\.csv",),
                 ("stability/stability.csv",),
             ),
             Step(
-                "python -m reports.animate disc_in_circle mu=0.2 --out disc.gif",
+                "slip-to-roll cases film disc_in_circle mu=0.2 --out disc.gif",
                 (r"^2\.5 s of animation, 1 × real time, \d+ kB: disc\.gif$",),
                 ("disc.gif",),
             ),
@@ -329,15 +322,15 @@ WALK = {
     ),
     "submit.md": Page(
         (
-            Step("python -m cases", (r"^disc_in_circle +",)),
-            Step('python -m cases export "disc_in_circle[mu=0.2]"', EXPORTED.prints, EXPORTED.writes),
+            Step("slip-to-roll cases", (r"^disc_in_circle +",)),
+            Step('slip-to-roll cases export "disc_in_circle[mu=0.2]"', EXPORTED.prints, EXPORTED.writes),
             Step(
-                "python -m reports.submit submissions/my_engine/2.1.0",
+                "slip-to-roll cases submit submissions/my_engine/2.1.0",
                 (r"^my_engine 2\.1\.0, by Ada Example", r"disc_in_circle\[mu=0\.2\] +answered +excellent "),
                 before='cp disc_in_circle/motion.csv "submissions/my_engine/2.1.0/disc_in_circle[mu=0.2].csv"',
             ),
             Step(
-                'python -m reports.build --case "disc_in_circle[mu=0.2]" --submissions submissions',
+                'slip-to-roll report --case "disc_in_circle[mu=0.2]" --submissions submissions',
                 (r"^ *(\d\. )?my_engine 2\.1\.0 submission +1 of 1 +– +< 0\.0001 % +0 \+ 1 +1$", ASSISTED, *BUILT),
                 REPORT,
             ),
