@@ -92,10 +92,10 @@ def load(name: str | Path, **parameters: Any) -> Case:
     Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
     scene can have.
     """
-    return registry.load(registered(str(name) if isinstance(name, Path) else name), **parameters)
+    return registry.load(catalogue_name(str(name) if isinstance(name, Path) else name), **parameters)
 
 
-def registered(name: str) -> str:
+def catalogue_name(name: str) -> str:
     """The name in the catalogue of the only case that `name` gives: the name itself, or a case of a file."""
     is_file = isinstance(name, str) and name.partition("[")[0].partition(":")[0].strip().endswith(".py")
     return case_name(name, registry.load_file).label() if is_file else name

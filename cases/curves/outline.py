@@ -25,9 +25,9 @@ class Outline(Chain):
         if self.rotation < 0:
             from .backwards import backwards  # which imports curves
 
-            turned = [backwards(piece) for piece in reversed(self.pieces)]
+            pieces = [backwards(piece) for piece in reversed(self.pieces)]
             vars(self).clear()  # also what was derived from the pieces
-            super().__init__(turned, True)
+            super().__init__(pieces, True)
             say_turned_round()
 
     @classmethod

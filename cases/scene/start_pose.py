@@ -48,26 +48,26 @@ class StartPose:
 def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> Start:
     """The same start by the contact parameters of the nearest points, with the slip relative to a track that moves by
     these effects. Raises DoesNotFit where the points are not found, BadValue for a motion without values at t = 0."""
-    belt, drive, seen = one(effects, Belt), one(effects, Drive), pose
+    belt, drive, own = one(effects, Belt), one(effects, Drive), pose
     check_belt(belt)
     check_drive(drive)
     if drive is not None:
         place = drive.at(0.0)
         x, y, *velocities = place.seen_from_track(pose.x, pose.y, pose.vx, pose.vy, pose.omega)
-        seen = StartPose(x, y, pose.theta - place.angle, *velocities)
-    contact = min(contacts(track, outline, seen.x, seen.y, seen.theta), key=lambda contact: contact.gap, default=None)
+        own = StartPose(x, y, pose.theta - place.angle, *velocities)
+    contact = min(contacts(track, outline, own.x, own.y, own.theta), key=lambda contact: contact.gap, default=None)
     if contact is None:
         raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
-    slip, rate = _velocities(seen, track, contact)
+    slip, rate = _velocities(own, track, contact)
     slip, gap = slip - (belt.at(0.0)[0] if belt else 0.0), contact.gap
     # What is left of larger numbers that cancel is rounding.
-    size, both = outline.sizes[0], (pose, seen)
+    size, both = outline.sizes[0], (pose, own)
     extent = max(abs(p.x) + abs(p.y) for p in both) + size
     if -OVERLAPS * extent <= gap <= TOUCHES * extent:
         gap = 0.0
     fastest = max(hypot(p.vx, p.vy) + size * abs(p.omega) for p in both)
     slip, rate = (0.0 if abs(speed) <= TOUCHES * fastest else speed for speed in (slip, rate))
-    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - seen.theta
+    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - own.theta
     rounds = round(angle / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
     if gap < 0.0:
         raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")

@@ -19,7 +19,7 @@ from .touches import masses, plates_at
 NOT_UNIQUE = 1e-9
 
 
-class Impulse(NamedTuple):
+class ContactImpulse(NamedTuple):
     """What one contact does in an impact at a `time` (s): the impulses along its normal and tangent, N s, and their
     work, J (negative: lost energy). An impulse that the velocities do not determine, as of a box that lands on both
     corners with friction, is NaN."""
@@ -31,7 +31,7 @@ class Impulse(NamedTuple):
     work: float
 
 
-def impacts(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[Impulse, ...]:
+def impacts(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[ContactImpulse, ...]:
     """The impulses of every impact of a motion of a case, in the order of their times.
 
     `motion`: a Trajectory with dense output, as `reference.simulate` gives it, of relative accuracy `rtol`: smaller
@@ -48,12 +48,14 @@ def impacts(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[Impuls
         return _impulses(case, motion, start, end, rtol)
 
 
-def _impulses(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray, rtol: float) -> tuple[Impulse, ...]:
+def _impulses(
+    case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray, rtol: float
+) -> tuple[ContactImpulse, ...]:
     relative = relative_case(case)
     samples = of_motion(relative, motion if relative is case else in_track_frame(motion), start, end)
     scales = laws.motion_scales(samples, POSE)
     sudden = laws.jumps(laws.joins(samples), scales.reach, scales.speed, laws.sudden_part(scales, rtol))
-    results = list[Impulse]()
+    results = list[ContactImpulse]()
     for time, step in zip(sudden.times.tolist(), sudden.steps.tolist(), strict=True):
         before, after = plates_at(samples, step - 1, -1), plates_at(samples, step, 0)
         for group in groups_of(places_of_impact(samples, scales, before, step, time, rtol)):
@@ -64,7 +66,7 @@ def _impulses(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray
             for one, (normal, friction), (across, along) in zip(
                 group, impulses.reshape(-1, 2).tolist(), mean.reshape(-1, 2).tolist(), strict=True
             ):
-                results.append(Impulse(time, one.law.name, normal, friction, normal * across + friction * along))
+                results.append(ContactImpulse(time, one.law.name, normal, friction, normal * across + friction * along))
     return tuple(results)
 
 

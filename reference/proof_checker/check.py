@@ -80,17 +80,17 @@ class _Check:
             raise ValueError(f"a record has the status {status}, which the checker does not cover")
         elif status == "lift_off" and regime.mode != "flight":
             raise NotConfirmed("the status is lift_off, and the motion does not lift off")
-        found = len(record["transitions"])
-        return f"confirmed: {record['case']}, {found} transitions, status {status}, {self.steps} steps"
+        count = len(record["transitions"])
+        return f"confirmed: {record['case']}, {count} transitions, status {status}, {self.steps} steps"
 
     def _is(self, claim: str, regime: Regime, what: str) -> None:
         if claim != regime.mode:
             raise NotConfirmed(f"{what} {regime.mode}, not {claim}")
 
-    def _compare(self, what: str, found: Ball, claim: Mapping[str, str]) -> None:
+    def _compare(self, what: str, value: Ball, claim: Mapping[str, str]) -> None:
         low, high = Fraction(claim["low"]), Fraction(claim["high"])
-        if not (low <= self.f.low(found) and self.f.high(found) <= high):
-            text = self.f.text(found)
+        if not (low <= self.f.low(value) and self.f.high(value) <= high):
+            text = self.f.text(value)
             raise NotConfirmed(f"the {what} is in {text}, not inside the record's [{claim['low']}, {claim['high']}]")
 
     def _shift(self, parameter: str) -> Ball:
@@ -181,13 +181,13 @@ class _Check:
         """Integrate to the next change of mode: the regime after it, its cause, and the state. None for the state if
         the plate rests, or if there is no change until `end`."""
         while regime is not REST:
-            found = self._phase(regime, cause, end)
-            if found is None:
+            event = self._phase(regime, cause, end)
+            if event is None:
                 break
-            before, after = dict(self.state), self._after(regime, found)
+            before, after = dict(self.state), self._after(regime, event)
             if after.mode != regime.mode:
-                return after, found, before
-            regime, cause = after, found
+                return after, event, before
+            regime, cause = after, event
         return regime, cause, None
 
     def _to_end(self, regime: Regime, cause: str, end: Fraction) -> None:
@@ -233,8 +233,8 @@ class _Check:
             )
             self.steps += 1
             zeros = self._leading_zeros(now, cause) if n == 0 else {}
-            found = (first_zero(f, name, row, zeros.get(name, 0), now.length) for name, row in now.conditions.items())
-            event = _first([zero for zero in found if zero])
+            roots = (first_zero(f, name, row, zeros.get(name, 0), now.length) for name, row in now.conditions.items())
+            event = _first([zero for zero in roots if zero])
             if end is not None:
                 until = f.low(self._later(now, (event.low, 0) if event else (now.length, 0)))
                 if until > end:

@@ -74,12 +74,12 @@ def follow(equations: Dynamics, order: int, tolerance: arb, most: int, report: R
     t, end = arb(0), number(scene.duration)
     steps = 0
     try:
-        regime, state, known = first_regime(equations)
+        regime, state, orders = first_regime(equations)
         result.first_mode = regime.mode
         for _ in range(MOST_PHASES):
             if regime.mode is Mode.REST:
                 return _at_rest(equations, result, state, t, end)
-            phase = _RegimeProof(equations, regime, state, known, t, order, tolerance)
+            phase = _RegimeProof(equations, regime, state, orders, t, order, tolerance)
             steps += phase.integrate(end, MOST_STEPS - steps)
             t = phase.time
             result.xi1_range = phase.covered(result.xi1_range)
@@ -104,7 +104,7 @@ def follow(equations: Dynamics, order: int, tolerance: arb, most: int, report: R
             if len(result.transitions) >= most:
                 result.status, result.reason = "limited", f"The first {most} transitions were asked for."
                 return result
-            regime, state, known = then.regime, then.state, then.known
+            regime, state, orders = then.regime, then.state, then.known
         result.reason = f"The motion has more than {MOST_PHASES} phases."
     except NotProved as problem:
         result.covered = not isinstance(problem, NotCovered)
@@ -131,9 +131,9 @@ def _after(equations: Dynamics, regime: ContactRegime, guard: str, state: State,
 class _RegimeProof:
     """One regime from its beginning to its first event or the motion's end."""
 
-    def __init__(self, equations: Dynamics, regime: ContactRegime, state: State, known: Mapping[str, int], begin: arb,
+    def __init__(self, equations: Dynamics, regime: ContactRegime, state: State, orders: Mapping[str, int], begin: arb,
                  order: int, tolerance: arb):  # fmt: skip
-        self.equations, self.regime, self.begin, self.known = equations, regime, begin, known
+        self.equations, self.regime, self.begin, self.orders = equations, regime, begin, orders
         self.order, self.tolerance = order, tolerance
         self.names = equations.names(regime)
         self.state: State = state
@@ -207,9 +207,9 @@ class _RegimeProof:
             return now.guards
         result = {}
         for name, guard in now.guards.items():
-            known, zeros = self.known.get(name, 0), 0
+            orders, zeros = self.orders.get(name, 0), 0
             for coefficient in guard.coefficients[:-1]:
-                if zeros >= known and not coefficient.is_zero():
+                if zeros >= orders and not coefficient.is_zero():
                     break
                 zeros += 1
             rest = guard.coefficients[zeros:]

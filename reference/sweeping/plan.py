@@ -18,7 +18,7 @@ import numpy as np
 import cases
 from cases import BadValue, Case
 from cases.errors import between, choice, finite, number_in, real, unknown_name, whole
-from cases.lookup import registered
+from cases.lookup import catalogue_name
 from cases.registry import parameters_of, parse
 
 from ..solve import TOLERANCES
@@ -260,7 +260,7 @@ def plan(
 
 def _axis_of(case) -> tuple[str | Callable[..., Case], dict[str, Any]]:
     if isinstance(case, str):
-        bare, fixed = parse(registered(case))
+        bare, fixed = parse(catalogue_name(case))
         cases.entry(bare)  # raises UnknownName
         return bare, dict(fixed)
     if isinstance(case, Case):
