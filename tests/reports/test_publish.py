@@ -124,8 +124,8 @@ def made_report(made: Path) -> Path:
     output["format"] = FORMAT
     output["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
     with report_folder.of_report(made).staging(whole=True) as place:
-        omitted = shutil.ignore_patterns("constraints.txt", publish.DIGESTS, LIST)
-        shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=omitted)
+        ignore = shutil.ignore_patterns("constraints.txt", publish.DIGESTS, LIST)
+        shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=ignore)
         (place / "index.html").write_text('<a href="tables/truth.csv">truth</a>')
         (place / "tables" / "time_to_accuracy.csv").write_text("case,level\n")
         package = json.loads((place / publish.PACKAGE).read_text(encoding="utf-8"))
@@ -155,9 +155,9 @@ def test_a_report_is_published_again_in_its_own_place_and_whole_in_an_archive(re
         inside = {name.partition("/")[2] for name in packed.namelist()}
         page = packed.read(f"{archive.stem}/{report_folder.PAGE}")
     assert page == (report / "index.html").read_bytes() and "tables/time_to_accuracy.csv" in inside
-    kept = report_folder.of_report(place, "release").names()
-    assert {*kept} - {publish.DIGESTS} < inside and report_folder.PAGE not in kept
-    assert all((place / name).read_bytes() == (report / name).read_bytes() for name in kept if name.endswith(".csv"))
+    names = report_folder.of_report(place, "release").names()
+    assert {*names} - {publish.DIGESTS} < inside and report_folder.PAGE not in names
+    assert all((place / name).read_bytes() == (report / name).read_bytes() for name in names if name.endswith(".csv"))
 
 
 def test_the_readme_has_one_number_for_each_engine(report):
@@ -291,7 +291,7 @@ def changes() -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def is_named(difference: compare_builds.Difference, rows: list[dict[str, str]]) -> bool:
+def matches(difference: compare_builds.Difference, rows: list[dict[str, str]]) -> bool:
     words = [difference.table, difference.column, *difference.row.split(", ")]
     return any(
         all(any(w == part or fnmatchcase(w, part) for w in words) for part in row["answers"].split())
@@ -320,12 +320,12 @@ def test_a_change_is_named_by_words_that_its_row_has():
     rows = [{"answers": "exudyn native", "within": ""}, {"answers": "bouncing_*", "within": "1e-3"}]
     rows.append({"answers": "disc_in_circle[mu=0.2] pymunk", "within": ""})
     change = compare_builds.Difference("headline", "disc_on_line[mu=0.1], exudyn, native", "finest_error", "1", "2")
-    assert is_named(change, rows)
-    assert not is_named(change._replace(row="disc_on_line[mu=0.1], exudyn, integrator"), rows)
-    assert not is_named(change._replace(row="bouncing_disc[e=0.5], pymunk, native"), rows)
-    assert is_named(change._replace(row="bouncing_disc[e=0.5], pymunk, native", other="1.0009"), rows)
-    assert is_named(change._replace(row="disc_in_circle[mu=0.2], pymunk, native"), rows)
-    assert not is_named(change._replace(row="disc_on_line[mu=0.1], pymunk, native"), rows)
+    assert matches(change, rows)
+    assert not matches(change._replace(row="disc_on_line[mu=0.1], exudyn, integrator"), rows)
+    assert not matches(change._replace(row="bouncing_disc[e=0.5], pymunk, native"), rows)
+    assert matches(change._replace(row="bouncing_disc[e=0.5], pymunk, native", other="1.0009"), rows)
+    assert matches(change._replace(row="disc_in_circle[mu=0.2], pymunk, native"), rows)
+    assert not matches(change._replace(row="disc_on_line[mu=0.1], pymunk, native"), rows)
 
 
 def other_machine() -> str:
@@ -372,13 +372,13 @@ def test_no_accuracy_changes_without_a_row_and_no_bar_widens(rebuilt):
     """To the last digit; while the version is that of the last release nothing may change at all."""
     if other_machine():
         pytest.skip(f"last digits are those of one kind of machine; {other_machine()}")
-    named = [row for row in changes() if row["version"] != LAST.name] if LAST.name != cases.__version__ else []
+    rows = [row for row in changes() if row["version"] != LAST.name] if LAST.name != cases.__version__ else []
     compared = {"headline", "trajectories", "truth"}
     assert compared <= {file.stem for file in (rebuilt / "tables").glob("*.csv")}
     found = compare_builds.compare(LAST, rebuilt).results
-    unnamed = [d for d in found if d.one != "missing" and not is_named(d, named)]
-    assert not unnamed, compare_builds.summary_lines(
-        compare_builds.BuildComparison(unnamed, [], [], [], 0), LAST, rebuilt
+    others = [d for d in found if d.one != "missing" and not matches(d, rows)]
+    assert not others, compare_builds.summary_lines(
+        compare_builds.BuildComparison(others, [], [], [], 0), LAST, rebuilt
     )
 
 
