@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Drive, Mode, NotSupported, Transition
+from cases import Case, Drive, Impact, Mode, NotSupported, Transition
 from cases.contact import start_motion
 from cases.motion.trajectory import CONTACT
 from cases.moving_frame import relative_case
@@ -59,6 +59,8 @@ def predict(case: Case, rtol: float = 1e-13) -> Prediction:
         _begin_slip(motion, begin.slip, begin.omega)
     with np.errstate(all="ignore"):
         status = motion.simulate()
+    if status == "second_contact" and is_by_pieces(case) and case.effect(Impact) is not None:
+        raise NotSupported(without_certificate(case))  # it follows one contact from piece to piece
     transitions = motion.impacts.all
     if not (case.others or motion.is_several or touches_by_features(case) or (has_pieces(case) and case.start.gap > 0)):
         transitions = tuple(replace(event, contact="") for event in transitions)

@@ -8,7 +8,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, NotSupported, Plate, Start, Unilateral, disc
 from cases.library import circle, ellipse, hill, line
 from reference.witness import steps
 from tests.scenes import second as second_states
@@ -95,3 +95,9 @@ def test_what_no_double_holds_ends_in_one_sentence_at_its_time(name):
     sentence, end = end_of(BEYOND[name][0])
     assert sentence == "breakdown" or "\n" not in sentence and len(sentence) > 30
     assert end == pytest.approx(BEYOND[name][1], abs=1e-6)
+
+
+def test_a_side_on_a_track_with_corners_is_refused_and_not_ended():
+    """It once ended as second_contact at 9 µs, where the first formulation goes on: the case had no certificate."""
+    with pytest.raises(NotSupported, match="a curve has corners"):
+        second_states.motion(cases.load("box_over_seams"))
