@@ -200,56 +200,35 @@ def test_start_from_rest_without_normal_force_slips_from_the_first_instant(circl
     assert kinds(reading) == [(FORWARD, BACKWARD), (BACKWARD, FORWARD)]
 
 
-def test_reversal_on_a_sample_is_no_roll():
-    t = np.linspace(0.0, 2.0, 101)
-    slip = 1.0 - t
-    slip[50] = 0.0
-    reading = slip_phases.read_contact(motion(t, slip), MU)
-    assert kinds(reading) == [(FORWARD, BACKWARD)]
-    assert reading.transitions[0].time == pytest.approx(1.0, abs=1e-13)
+EVEN = np.linspace(0.0, 2.0, 201)
+# One long step carries the slip past zero, short ones bring it back: an adaptive stepper meets stiff friction.
+UNEVEN = np.concatenate([np.linspace(0.0, 1.0, 101), 1.01 + np.linspace(0.0, 0.004, 5), np.linspace(1.02, 2.0, 99)])
+OVERSHOOT = np.concatenate([1.0051 - np.linspace(0.0, 1.0, 101), [-4e-3, -3e-3, -2e-3, -1e-3, 0.0], np.zeros(99)])
+DOUBLED = np.sort(np.append(EVEN / 4, EVEN[80:120] / 4))
+ENDS = 1.0 / (3 * MU * G)
+# Times, slip, coefficient that bounds stick, first mode, and the transitions with their times (None: not looked at).
+SHAPES = {
+    "a reversal on a sample": (EVEN, np.where(EVEN == 1.0, 0.0, 1.0 - EVEN), MU, FORWARD, [(FORWARD, BACKWARD, 1.0)]),
+    "a short roll of some samples": (
+        EVEN, np.where(EVEN < 1.0, 1.0 - EVEN, -(np.maximum(EVEN - 1.05, 0.0) ** 2)), None, FORWARD,
+        [(FORWARD, ROLL, None), (ROLL, BACKWARD, None)],
+    ),
+    "a roll throughout": (EVEN, 1e-12 * np.random.default_rng(0).standard_normal(201), MU, ROLL, []),
+    "a roll that ends": (EVEN, 3.0 * np.maximum(EVEN - 0.4, 0.0) ** 2, MU, ROLL, [(ROLL, FORWARD, 0.4)]),
+    "slip throughout": (EVEN, 0.5 * EVEN, MU, FORWARD, []),
+    "an overshoot of one step": (UNEVEN, OVERSHOOT, None, FORWARD, [(FORWARD, ROLL, 1.0051)]),
+    "doubled times": (DOUBLED, bowling(DOUBLED), MU, FORWARD, [(FORWARD, ROLL, ENDS)]),
+    "no friction": (EVEN, np.cos(9 * EVEN), 0.0, Mode.SLIDE, []),
+}  # fmt: skip
 
 
-def test_short_roll_of_some_samples_is_seen_between_two_slips():
-    t = np.linspace(0.0, 2.0, 201)
-    slip = np.where(t < 1.0, 1.0 - t, -(np.maximum(t - 1.05, 0.0) ** 2))
-    assert kinds(slip_phases.read_contact(motion(t, slip), None)) == [(FORWARD, ROLL), (ROLL, BACKWARD)]
-
-
-def test_roll_from_start_to_end_has_no_transition():
-    t = np.linspace(0.0, 1.0, 200)
-    slip = 1e-12 * np.random.default_rng(0).standard_normal(200)
-    reading = slip_phases.read_contact(motion(t, slip), MU)
-    assert reading.first_mode is ROLL and reading.transitions == ()
-
-
-def test_roll_at_the_start_that_ends_in_slip_is_seen():
-    t = np.linspace(0.0, 1.0, 201)
-    reading = slip_phases.read_contact(motion(t, 3.0 * np.maximum(t - 0.4, 0.0) ** 2), MU)
-    assert reading.first_mode is ROLL and kinds(reading) == [(ROLL, FORWARD)]
-    assert reading.transitions[0].time == pytest.approx(0.4, abs=1e-12)
-
-
-def test_slip_for_ever_has_no_transition():
-    t = np.linspace(0.0, 1.0, 50)
-    reading = slip_phases.read_contact(motion(t, 0.5 * t), MU)
-    assert reading.first_mode is FORWARD and reading.transitions == ()
-
-
-def test_overshoot_of_one_step_is_no_slip():
-    # One long step carries the slip past zero, short ones bring it back: an adaptive stepper meets stiff friction.
-    t = np.concatenate([np.linspace(0.0, 1.0, 101), 1.01 + np.linspace(0.0, 0.004, 5), np.linspace(1.02, 2.0, 99)])
-    slip = np.concatenate([1.0051 - np.linspace(0.0, 1.0, 101), [-4e-3, -3e-3, -2e-3, -1e-3, 0.0], np.zeros(99)])
-    reading = slip_phases.read_contact(motion(t, slip), None)
-    assert kinds(reading) == [(FORWARD, ROLL)]
-    assert reading.transitions[0].time == pytest.approx(1.0051, abs=1e-12)
-
-
-def test_doubled_times_are_read_once():
-    t = np.linspace(0.0, 0.68, 101)
-    doubled = np.sort(np.append(t, t[40:60]))
-    reading = slip_phases.read_contact(motion(doubled, bowling(doubled)), MU)
-    assert kinds(reading) == [(FORWARD, ROLL)]
-    assert reading.transitions[0].time == pytest.approx(1.0 / (3 * MU * G), abs=1e-13)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_shape_of_slip_is_read_as_what_it_is(shape):
+    t, slip, bound, first, changes = SHAPES[shape]
+    reading = slip_phases.read_contact(motion(t, slip), bound)
+    assert reading.first_mode is first and kinds(reading) == [change[:2] for change in changes]
+    for event, (*_, time) in zip(reading.transitions, changes, strict=True):
+        assert time is None or event.time == pytest.approx(time, abs=1e-12)
 
 
 def test_lift_off_ends_the_reading_in_flight():
@@ -257,12 +236,6 @@ def test_lift_off_ends_the_reading_in_flight():
     reading = slip_phases.read_contact(motion(t, bowling(t), status="lift_off"), MU)
     assert kinds(reading) == [(FORWARD, ROLL), (ROLL, FLIGHT)]
     assert reading.transitions[-1].time == 0.5
-
-
-def test_motion_without_friction_slides():
-    t = np.linspace(0.0, 1.0, 100)
-    reading = slip_phases.read_contact(motion(t, np.cos(9 * t)), 0.0)
-    assert reading.first_mode is Mode.SLIDE and reading.transitions == ()
 
 
 # --- matching ---------------------------------------------------------------------------------------------------------
@@ -283,12 +256,6 @@ def test_equal_sequences_match_with_signed_errors():
     assert [row.event for row in rows] == [1, 2, 3]
 
 
-def test_nothing_found_is_all_missed():
-    rows = ledger.match(TRUTH, [])
-    assert [row.pairing for row in rows] == ["missed"] * 3
-    assert all(np.isnan(row.error) and np.isnan(row.time) for row in rows)
-
-
 def test_extra_transitions_are_spurious_and_spoil_no_match():
     extra = events((1.5, ROLL, FORWARD), (1.6, FORWARD, ROLL))
     rows = ledger.match(TRUTH, [TRUTH[0], *extra, *TRUTH[1:]])
@@ -303,7 +270,11 @@ def test_among_equal_matchings_the_nearest_in_time_is_taken():
     assert len(matched) == 1 and matched[0].time == 1.01
 
 
-def test_a_transition_of_another_kind_is_both_missed_and_spurious():
+def test_nothing_found_is_all_missed():
+    rows = ledger.match(TRUTH, [])
+    assert [row.pairing for row in rows] == ["missed"] * 3
+    assert all(np.isnan(row.error) and np.isnan(row.time) for row in rows)
+    # One of another kind is both missed and spurious.
     rows = ledger.match(TRUTH[:1], events((1.0, FORWARD, BACKWARD)))
     assert sorted(row.pairing for row in rows) == ["missed", "spurious"]
 
