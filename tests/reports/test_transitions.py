@@ -239,48 +239,34 @@ def resisted(friction=None) -> Case:
     return Case(line(), disc(R, 1.0), effects, Start(0.0, omega=-1.0), 2.0)
 
 
-def turning(omega, slip=0.0, count: int = 201, **how) -> Trajectory:
-    t = np.linspace(0.0, 2.0, count)
-    return motion(t, R, 0.0, contact=np.ones(count, dtype=bool), omega=omega(t), slip=slip, **how)
+TURN, NOISE = np.linspace(0.0, 2.0, 201), np.random.default_rng(1).uniform(-1.0, 1.0, 201)
+FREE = replace(resisted(), effects=(Gravity(G), CoulombFriction(0.3), Unilateral()))
+# The case, its spin (rad/s) and slip (m/s), the first mode, and the transitions with their times.
+TURNS = {
+    "a roll that stops": (resisted(), np.minimum(0.4 * (TURN - 1.234), 0.0), 0.0, ROLL, [(ROLL, STICK, 1.234)]),
+    "without slip": (
+        resisted(PerfectlyRough()),
+        np.minimum(0.4 * (TURN - 1.234), 0.0),
+        0.0,
+        ROLL,
+        [(ROLL, STICK, 1.234)],
+    ),
+    "rest that gives way": (resisted(), 3.0 * np.maximum(TURN - 0.777, 0.0) ** 2, 0.0, STICK, [(STICK, ROLL, 0.777)]),
+    "a roll that turns around": (resisted(), TURN - 1.0, 0.0, ROLL, []),
+    "slip without spin": (resisted(), 0.0 * TURN, np.maximum(0.7 - TURN, 0.0), FORWARD, [(FORWARD, STICK, 0.7)]),
+    "creep and spin below the resolution": (resisted(), 1e-3 * NOISE, 1e-4 * NOISE, STICK, []),
+    "no resistance": (FREE, 0.0 * TURN, 0.0, ROLL, []),
+}
 
 
-@pytest.mark.parametrize("friction", [CoulombFriction(0.3), PerfectlyRough()])
-def test_roll_that_stops_sticks(friction):
-    output = transitions.read_motion(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
-    assert output.first_mode is ROLL and kinds(output) == [(ROLL, STICK)]
-    assert times(output) == pytest.approx([1.234], abs=1e-13)
-
-
-def test_stick_that_gives_way_rolls():
-    output = transitions.read_motion(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
-    assert output.first_mode is STICK and kinds(output) == [(STICK, ROLL)]
-    assert times(output) == pytest.approx([0.777], abs=1e-12)
-
-
-def test_roll_that_turns_around_is_a_roll():
-    output = transitions.read_motion(resisted(), turning(lambda t: t - 1.0))
-    assert output.first_mode is ROLL and output.transitions == ()
-
-
-def test_slip_of_a_plate_that_does_not_turn_ends_in_stick():
-    t = np.linspace(0.0, 2.0, 201)
-    output = transitions.read_motion(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
-    assert output.first_mode is FORWARD and kinds(output) == [(FORWARD, STICK)]
-    assert times(output) == pytest.approx([0.7], abs=1e-13)
-
-
-def test_creep_and_spin_below_the_resolution_are_stick():
-    noise = np.random.default_rng(1).uniform(-1.0, 1.0, 201)
-    output = transitions.read_motion(
-        resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4)
-    )
-    assert output.first_mode is STICK and output.transitions == ()
-
-
-def test_without_rolling_resistance_nothing_sticks():
-    case = replace(resisted(), effects=(Gravity(G), CoulombFriction(0.3), Unilateral()))
-    output = transitions.read_motion(case, turning(np.zeros_like))
-    assert output.first_mode is ROLL and output.transitions == ()
+@pytest.mark.parametrize("name", TURNS)
+def test_turning_is_read_as_slip_is(name):
+    case, omega, slip, first, changes = TURNS[name]
+    how = {"slip_resolution": 1e-4} if "below" in name else {}
+    made = motion(TURN, R, 0.0, contact=np.ones(201, dtype=bool), omega=omega, slip=slip, **how)
+    output = transitions.read_motion(case, made)
+    assert output.first_mode is first and kinds(output) == [change[:2] for change in changes]
+    assert times(output) == pytest.approx([change[2] for change in changes], abs=1e-12)
 
 
 # --- engines ----------------------------------------------------------------------------------------------------------
