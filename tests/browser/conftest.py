@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import shutil
 
 import pytest
@@ -64,7 +65,7 @@ class Heard:
 
     def foreign(self, own: str) -> list[str]:
         """Requests for anything but the page itself and what stands inside it."""
-        return [url for url in self.asked if url.partition("#")[0] != own and not url.startswith(("data:", "blob:"))]
+        return [url for url in self.asked if re.split("[?#]", url)[0] != own and not url.startswith(("data:", "blob:"))]
 
 
 @pytest.fixture

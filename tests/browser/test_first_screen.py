@@ -29,6 +29,19 @@ def test_the_first_screen_has_question_engines_and_scenes(open_page, width):
     assert all(0 <= tab.bounding_box()["x"] and sum_of(tab.bounding_box()) <= wide for tab in tabs.all())
 
 
+def test_three_questions_are_answered_within_the_first_screen(open_page):
+    """What is off, asks a student; which parameter, the author of an engine; the slip velocity, a professor."""
+    page = open_page()
+    page.wait_for_selector(".pair .player[data-time]")
+    visible = page.evaluate(
+        """() => [...document.querySelectorAll("#answer :is(h2, h3, p, th, td, text)")].filter(e => e.checkVisibility())
+        .filter(e => e.getBoundingClientRect().bottom <= innerHeight).map(e => e.textContent).join(" | ")"""
+    )
+    assert "100 % off is as bad as ignoring friction" in visible
+    assert re.search(r"(needs a .* instead of .* for 1 %|default settings are within 1 %)", visible)
+    assert "Slip velocity in disc_in_circle[mu=0.2]" in visible and "slip v > 0" in visible and "rolls" in visible
+
+
 def test_each_dot_has_the_number_of_the_tables(shared_page, page_file):
     """A dot per scene, engine and setting, at its place on the axis; the table says how many exceed 10 %."""
     page = shared_page()

@@ -158,6 +158,25 @@ def test_a_solver_switched_off_is_gone_everywhere(shared_page):
     assert not page.locator("#headline td[data-route=assisted]").first.is_visible()
 
 
+def test_the_address_has_switches_and_the_players_time_and_setting(open_page):
+    page = open_page(place=DISC, reduced_motion="reduce")
+    page.wait_for_selector(f"{DISC} .player[data-time]")
+    page.uncheck("input[data-switch=solver][value=pymunk]")
+    page.locator(f"{DISC} .mode").nth(2).click()
+    page.eval_on_selector(
+        f"{DISC} .setting", "e => { e.value = 1; e.dispatchEvent(new Event('input', { bubbles: true })); }"
+    )
+    time, address = page.get_attribute(f"{DISC} .player", "data-time"), page.url
+    again = open_page(place=address.partition("index.html")[2], reduced_motion="reduce")
+    again.wait_for_selector(f"{DISC} .player[data-time]")
+    assert not again.is_checked("input[data-switch=solver][value=pymunk]")
+    assert not again.locator(f"{DISC} .ghost[data-solver=pymunk]").first.is_visible()
+    assert float(again.get_attribute(f"{DISC} .player", "data-time")) == pytest.approx(float(time), rel=1e-5)
+    assert again.locator(f"{DISC} .setting").input_value() == "1"
+    again.evaluate("location.hash = '#cost'")
+    again.wait_for_function("!location.search.includes('at=') && location.search.includes('without=pymunk')")
+
+
 def test_cases_are_found_by_a_word_and_shown_one_at_a_time(shared_page):
     page = shared_page("#cases")
     assert page.locator("article:visible").count() == 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adapters import engines
-from reports.drawing.colours import FIXED_COLOURS, GROUND, OTHERS, Colour, colours
+from reports.drawing.colours import FIXED_COLOURS, GRADES, GROUND, MARKERS, OTHERS, Colour, LineStyles, colours
 from reports.running.names import REFERENCE
 
 # Dichromats as Machado, Oliveira and Fernandes simulate them (2009; their matrices for severity 1, looked up in
@@ -57,6 +57,23 @@ def test_every_solver_is_seen_on_its_ground(ground):
     for colour in [*FIXED_COLOURS.values(), *OTHERS]:
         pair = sorted((luminance(getattr(colour, ground)), luminance(getattr(GROUND, ground))))
         assert pair[1] / pair[0] > CONTRAST, colour
+
+
+def test_grades_are_greys_apart_and_no_solvers_colours():
+    grades = [lab(linear(colour)) for name, colour in GRADES.items() if name != "not decided"]
+    engines_ = [lab(linear(pair.light)) for name, pair in FIXED_COLOURS.items() if name != REFERENCE]
+    chroma = [float(np.hypot(*colour[1:])) for colour in (*grades, *engines_)]
+    assert max(chroma[: len(grades)]) < 12.0 < 25.0 < min(chroma[len(grades) :])
+    # Darker from grade to grade, by more than twice what is just seen; dark text is read on the darkest.
+    assert min(a[0] - b[0] for a, b in zip(grades[:-1], grades[1:], strict=True)) > 4.6
+    light, dark = (float(linear(c) @ [0.2126, 0.7152, 0.0722]) + 0.05 for c in (GRADES["unusable"], "#101418"))
+    assert light / dark > 4.5
+
+
+def test_a_solver_has_one_marker_and_other_dashes_for_its_other_routes():
+    looks = LineStyles([("pymunk", "native"), ("pymunk", "assisted"), ("mine", "file")])
+    assert len(set(MARKERS.values())) == len(MARKERS) and looks.marker("mine") not in MARKERS.values()
+    assert (looks.is_dashed("pymunk", "native"), looks.is_dashed("pymunk", "assisted")) == (False, True)
 
 
 def test_a_solver_keeps_its_colour_whoever_else_takes_part():

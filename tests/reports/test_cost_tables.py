@@ -67,28 +67,6 @@ def read(report, name: str) -> pd.DataFrame:
 # --- levels ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_level_is_reached_only_if_no_finer_setting_or_doubt_contradicts_it(report):
-    """By the order of the runs themselves, and their off and doubt."""
-    output, runs = read(report, "time_to_accuracy"), read(report, "trajectories")
-    assert set(output.level) == set(LEVELS) and set(output.reached) <= {
-        "reached", "one setting", "not reached", "not known", "not timed", "disturbed"
-    }  # fmt: skip
-    for row in output.itertuples():
-        mine = runs[(runs.case == row.case) & (runs.solver == row.solver) & (runs.route == row.route)]
-        ladder = mine[~mine.setting.str.startswith("rung=defaults") & mine.off.notna()]
-        worth = ladder.off + ladder.off_doubt
-        if row.reached in ("reached", "one setting"):
-            from_here = list(ladder.setting).index(row.setting)
-            assert (worth.iloc[from_here:] <= row.level).all() and row.cpu_s > 0.0, row
-            assert row.settings_within == len(ladder) - from_here
-            assert row.reached == "reached" or (worth.iloc[-2:] > row.level).any()
-        elif row.reached == "not timed":
-            assert worth.iloc[-1] <= row.level, row
-        else:
-            assert worth.iloc[-1] > row.level and pd.isna(row.cpu_s) and pd.isna(row.setting), row
-    assert {"reached", "not reached"} <= set(output.reached)
-
-
 def test_the_table_of_levels_has_all_settings_and_the_same_words(report):
     output, every = read(report, "time_to_accuracy"), read(report, "levels")
     words = {
@@ -149,29 +127,6 @@ def test_terminal_page_and_file_give_the_same_verdict(report):
     assert verdict_text.in_terminal(rows) in terminal
     assert "\n".join(verdict_text.filled(verdict_text.sentence(rows))) in terminal
     assert terminal.splitlines()[-1] == str(report / "index.html")
-
-
-def test_first_sentence_is_true_by_the_tables_beside_it(report):
-    page = (report / "index.html").read_text()
-    section = page[page.index('<section class="chapter" id="cost">') :]
-    sentence = unescape(re.search(r'<p class="cheapest"><strong>(.*?)</strong></p>', section)[1])
-    output = read(report, "time_to_accuracy")
-    level = output[(output.level == cost_conclusions.LEVEL) & output.first_call_s.notna()]
-    sides = [level[(level.solver == "reference") == ours] for ours in (True, False)]
-    assert all(len(side) for side in sides)
-    assert sentence.startswith(f"Called from Python, within 1 % in {CASE}: ")
-    for runs in (1, 1000):
-        best = {}
-        for side in sides:
-            row = min(side.itertuples(), key=lambda row: spent(row, runs))
-            best[f"{row.solver} {row.route}"] = spent(row, runs)
-        cheap, dear = sorted(best, key=best.get)
-        takes = (
-            f"{number_format.seconds(best[cheap])} with {cheap} and {number_format.seconds(best[dear])} with {dear} ("
-        )
-        factor = best[dear] / best[cheap]
-        who = f"{cheap} is faster, by {number_format.times(factor)}" if factor >= 1.1 else "a tie"
-        assert f"{takes}{who})" in sentence
 
 
 def test_the_parts_of_an_engines_runs_are_in_the_table(report):

@@ -150,17 +150,6 @@ def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
     assert row["makes_worse"] == "facets" and row["turn_next"] == "h"
 
 
-def test_telling_facets_of_their_neighbours_is_what_to_do_at_a_coarse_step():
-    case = cases.load("disc_in_circle", mu=0.1)
-    cells = cells_of(case, "pymunk", "native", lambda s: s["h"] in (1e-2, 3e-3) and s["facets"] > 200)
-    row = next(r for r in rows_of(cells) if r["quantity"] == "energy_lost")
-    assert row["turn_next"] == "neighbors"
-    # Told, a finer chain loses less even at the coarse step: the trap is gone.
-    grid = Grid(cells)
-    told_of = [abs(float(grid.error((0, facets, 1), "energy_lost")[0])) for facets in range(3)]
-    assert told_of[0] > told_of[1] > 0.9 * told_of[2]
-
-
 def test_penalty_is_the_model_part_of_the_first_transition_and_regularisation_is_not():
     # A sliding disc never meets the regularised part of the friction law before its slip ends.
     case = cases.load("disc_in_circle", mu=0.1)

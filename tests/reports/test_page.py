@@ -8,6 +8,7 @@ import re
 import zlib
 from base64 import b64decode
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -83,6 +84,29 @@ def test_the_player_has_the_supports_and_the_contacts_on_them():
     x, y = unpacked(right["points"]).reshape(2, -1)
     assert right["name"] == "right" and right["period"] and right["high"] - right["low"] == pytest.approx(2 * np.pi)
     assert np.hypot(x - 1.5 * np.sin(0.3 * np.pi), y) == pytest.approx(1.0, abs=1e-4)  # five digits of each number
+
+
+def test_the_player_has_the_modes_of_each_contact_and_a_plate_that_does_not_turn_sticks():
+    t = np.linspace(0.0, 1.0, 11)
+    one = replace(ROLLS, samples={"t": t, "theta": np.minimum(t, 0.5)}, first_mode=Mode.SLIP_FORWARD)
+    assert motions._lanes(one) == [("", [(0.0, "slip_forward", ""), (0.5, "stick", "")])]
+    turning = replace(one, samples={"t": t, "theta": t})
+    assert motions._lanes(turning)[0][1][1][1] == "roll"
+    phases = {name: SimpleNamespace(phases=(SimpleNamespace(mode=mode),))
+              for name, mode in (("plate/track", Mode.ROLL), ("upper/plate", Mode.FLIGHT))}  # fmt: skip
+    events = (Transition(0.3, Mode.ROLL, Mode.SLIP_BACKWARD, contact="plate/track"),)
+    several = replace(turning, scales=phases, transitions=events)
+    assert motions._lanes(several) == [
+        ("plate/track", [(0.0, "roll", ""), (0.3, "slip_backward", "")]), ("upper/plate", [(0.0, "flight", "")]),
+    ]  # fmt: skip
+
+
+def test_a_table_of_the_page_has_shares_in_percent_and_sorts_by_them():
+    frame = pd.DataFrame({"off": [0.123456, math.nan], "cpu_s": [0.1, 0.2]})
+    data = table(frame, {"off": "off", "cpu_s": "cpu s"})
+    assert [head["unit"] for head in data["heads"]] == ["%", "s"]
+    first, last = (row["cells"][0] for row in data["rows"])
+    assert (first["text"], first["order"]) == ("12", "0.123456") and (last["text"], last["order"]) == ("", "1e308")
 
 
 def test_cases_stand_in_the_families_of_the_catalogue():

@@ -25,7 +25,6 @@ from reports.analysis.table_list import Results
 from reports.analysis.work_precision import CostMeasurements
 from reports.judging.distances import Distance
 from reports.judging.friction_factor import Losses
-from reports.judging.grades import LEVELS
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Scale, Score
 from reports.running import solvers, tasks
@@ -93,10 +92,6 @@ def test_cheapest_setting_that_is_accurate_enough_counts():
     assert output["ratio_low"] < output["ratio"] < output["ratio_high"]
     assert [first(rows, 0.1)[name]["reached"] for name in "ab"] == ["reached", "one setting"]
     assert first(rows, 1e-4)["b"]["reached"] == "not reached" and isnan(first(rows, 1e-4)["b"]["cpu_s"])
-
-
-def test_levels_of_the_table_are_those_of_the_grades():
-    assert [row["level"] for row in accuracy_rows(("a", "s", 1e-9, 1.0))] == list(LEVELS)
 
 
 def test_an_accurate_setting_without_a_timing_is_not_timed():
