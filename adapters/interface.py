@@ -81,7 +81,7 @@ The first setting of a ladder has the engine's default settings and is marked: `
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -146,81 +146,60 @@ def our_part(adapter: Any, route: str) -> str:
 def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
-    # These import SymPy, which a command's help does not need.
-    from cases import Drive
-    from cases.own_effects import own_effects
-    from cases.scene.free_plates import why_not_closed_forms
-    from cases.scene.limits import Scope, has_turned_plate, limit
-    from cases.scene.piece_case import has_pieces
-    from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
+    from cases.own_effects import own_effects  # imports SymPy, which a command's help does not need
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
-    if case.pairs:
-        return f"The {route} route does not support effects of a pair of bodies (pairs)."
-    if has_slip_law(case) and route not in getattr(adapter, "SLIP_LAWS", ()):
-        return f"The {route} route does not support friction that depends on the slip velocity."
-    if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):
-        return f"The {route} route does not support several plates (others)."
-    plates = (case.plate, *(one.plate for one in case.others)) if case.others else ()
-    if any(plate.radius is None for plate in plates) and route not in getattr(adapter, "FREE_POLYGONS", ()):
-        return f"The {route} route supports several plates if all of them are discs."
-    if case.others and (reason := why_not_closed_forms(case)):
-        return f"The {route} route supports discs and one convex polygon on straight lines: {reason}."
-    if case.others and (missing := _not_with_plates(case)):
-        return f"The {route} route does not support {missing} with several plates."
-    if case.supports and own_effects(case.effects):
-        return f"The {route} route does not support an effect of a package with several fixed curves (supports)."
-    if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
-        return f"The {route} route does not support several fixed curves (supports)."
-    if case.supports and not case.others and (limit(case, Scope.SHAPES) or _is_newton_on_belt(case)):
-        return (
-            f"The {route} route does not support this pair of outline and support: their contacts have no closed form."
-        )
-    if case.supports and not case.plate.turns and route not in getattr(adapter, "FIXED_ROTATION_AND_SUPPORTS", ()):
-        return f"The {route} route does not support a plate that does not turn on several fixed curves (supports)."
-    if has_turned_plate(case):  # in the frame of the track it turns, which no engine's plate of fixed rotation does
-        return f"The {route} route does not support a plate of infinite inertia on a track that turns."
-    if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):
-        return f"The {route} route does not support belts together with several fixed curves (supports)."
-    if case.supports and has_rolling_resistance(case):
-        # A support may resist rolling where the track does not, and contacts are read without a couple of their own.
-        return f"The {route} route does not support rolling resistance on several fixed curves (supports)."
-    if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
-        return f"The {route} route does not support curves with corners."
-    is_driven = case.effect(Drive) is not None
-    if is_driven and (has_pieces(case) or case.supports) and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
-        return f"The {route} route does not support a driven track together with corners or supports."
+    for is_there, declaration, what in _needs(case):
+        if is_there and route not in getattr(adapter, declaration, ()):
+            return f"The {route} route does not support {what}."
     return adapter.refuses(case, route)
 
 
-def _is_newton_on_belt(case: Case) -> bool:
-    """Whether Newton's law of impact acts at a surface that runs."""
-    from cases import Impact
-    from cases.scene.supports import has_belt
-
-    law = case.effect(Impact)
-    return law is not None and law.law == "newton" and has_belt(case)
-
-
-def _not_with_plates(case: Case) -> str:
-    """What of a case with several plates no route models; "" if nothing."""
+def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
+    """What a route has to declare: whether the case has it, the attribute with the routes that support it ("none": no
+    route does), and what it is, in a phrase."""
     from cases import Drive, Impact
     from cases.own_effects import own_effects
-    from cases.scene.free_plates import loads_of
+    from cases.scene.free_plates import loads_of, plates_of, why_not_closed_forms
+    from cases.scene.limits import Scope, has_turned_plate, limit
+    from cases.scene.piece_case import has_pieces
     from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
 
-    missing = {
-        "a load": any(loads_of(case)),
-        "a belt": has_belt(case),
-        "a driven track": case.effect(Drive) is not None,
-        "friction that depends on the slip velocity": has_slip_law(case),
-        "rolling resistance": has_rolling_resistance(case),
-        "an effect of a package of its own": bool(own_effects(case.effects)),
-        "contacts without Impact": case.effect(Impact) is None,
-    }
-    return next((name for name, is_there in missing.items() if is_there), "")
+    several, supports, impact = bool(case.others), bool(case.supports), case.effect(Impact)
+    drives, belts, packaged = case.effect(Drive) is not None, has_belt(case), bool(own_effects(case.effects))
+    yield case.pairs, "none", "effects of a pair of bodies (pairs)"
+    yield has_slip_law(case), "SLIP_LAWS", "friction that depends on the slip velocity"
+    if several:
+        yield True, "SEVERAL_PLATES", "several plates (others)"
+        polygons = any(plate.radius is None for plate in plates_of(case))
+        yield polygons, "FREE_POLYGONS", "several plates unless all of them are discs"
+        reason = why_not_closed_forms(case)
+        yield reason, "none", f"several plates but discs and one convex polygon on straight lines: {reason}"
+        yield any(loads_of(case)), "none", "a load with several plates"
+        yield belts, "none", "a belt with several plates"
+        yield drives, "none", "a driven track with several plates"
+        yield has_slip_law(case), "none", "friction that depends on the slip velocity with several plates"
+        yield has_rolling_resistance(case), "none", "rolling resistance with several plates"
+        yield packaged, "none", "an effect of a package of its own with several plates"
+        yield impact is None, "none", "contacts without Impact with several plates"
+    if supports:
+        yield packaged, "none", "an effect of a package with several fixed curves (supports)"
+        yield True, "SUPPORTS", "several fixed curves (supports)"
+        newton = impact is not None and impact.law == "newton" and belts
+        no_form = not several and (limit(case, Scope.SHAPES) or newton)
+        yield no_form, "none", "this pair of outline and support: their contacts have no closed form"
+        held = not case.plate.turns
+        yield held, "FIXED_ROTATION_AND_SUPPORTS", "a plate that does not turn on several fixed curves (supports)"
+        yield belts, "BELTS_AND_SUPPORTS", "belts together with several fixed curves (supports)"
+        # A support may resist rolling where the track does not, and contacts are read without a couple of their own.
+        yield has_rolling_resistance(case), "none", "rolling resistance on several fixed curves (supports)"
+    # In the frame of the track it turns, which no engine's plate of fixed rotation does.
+    yield has_turned_plate(case), "none", "a plate of infinite inertia on a track that turns"
+    yield has_pieces(case), "CORNERS", "curves with corners"
+    with_several = drives and (has_pieces(case) or supports)
+    yield with_several, "DRIVEN_CONTACTS", "a driven track together with corners or supports"
 
 
 def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:

@@ -213,10 +213,8 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
         # The steps cannot resolve a rebound slower than the velocity that gravity gives in a step.
         world.restitution_threshold = float(np.hypot(*pull)) * h
     material = shapes.plate_material(case)
-    belt = shapes.belt_material(case, scale)
     track = shapes.track_body(case, world, scale)
-    shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
-    shapes.add_supports(case, track, scale, knobs.get("facets", 1))
+    shapes.add_fixed(case, track, scale, knobs.get("facets", 1))
     plates = []
     for plate, (x, y, theta, vx, vy, omega) in zip(plates_of(case), starts_of(case).tolist(), strict=True):
         body = world.create_dynamic_body(position=(scale * x, scale * y), rotation=shapes.rotation(theta))

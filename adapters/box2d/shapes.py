@@ -110,15 +110,22 @@ def restitutions(case: Case) -> list[tuple[float, float]]:
     return [(material(own).restitution, material(case).restitution) for own in _own_cases(case)]
 
 
-def add_supports(case: Case, body: pyb2d3.Body, scale: float, count: int) -> None:
-    """Add a segment of a chain, a circle, or a chain for each further support; the longest one has `count` segments."""
-    for support, own in zip(case.supports, _own_cases(case), strict=True):
-        line, curve, surface = as_line(support.curve), support.curve, _against_plate(case, belt_material(own, scale))
-        circle = as_circle(curve)
-        if line:
+def add_fixed(case: Case, body: pyb2d3.Body, scale: float, count: int) -> None:
+    """Add the track and each further support: a circle, a segment of a chain, or a chain whose corners the engine
+    smooths; the longest one has `count` segments."""
+    beside = bool(case.supports or case.others)
+    curves = [(case.track, case), *zip((s.curve for s in case.supports), _own_cases(case), strict=True)]
+    for curve, own in curves:
+        line, circle, surface = as_line(curve), as_circle(curve), belt_material(own, scale)
+        if beside:
+            surface = _against_plate(case, surface)
+        if line and beside:
             _add_line(body, facets.ends(case, line), surface, scale)
         elif circle and facets.is_round_hill(curve):
             _add_circle(body, circle, surface, scale)
+        elif curve is case.track:
+            closed = facets.track_kind(case) == "chain" and facets.stretch(case).closed
+            _add_chain(body, facets.chain(case, count), closed, surface, scale)
         else:
             _add_chain(body, facets.support_chain(case, curve, count), curve.period is not None, surface, scale)
 
@@ -198,20 +205,6 @@ def _belt_follower(case: Case, belt: Belt, body: pyb2d3.Body, h: float, scale: f
         body.linear_velocity, body.angular_velocity = _pair(scale * spin * np.array([y, -x])), spin
 
     return follow
-
-
-def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
-    """Add a circle, or `count` segments whose corners the engine smooths."""
-    circle, line, kind = as_circle(case.track), as_line(case.track), facets.track_kind(case)
-    if (case.supports or case.others) and line:
-        _add_line(body, facets.ends(case, line), _against_plate(case, material), scale)
-        return
-    if case.supports:
-        material = _against_plate(case, material)
-    if kind == "hill" and circle:
-        _add_circle(body, circle, material, scale)
-        return
-    _add_chain(body, facets.chain(case, count), kind == "chain" and facets.stretch(case).closed, material, scale)
 
 
 def _add_circle(body: pyb2d3.Body, circle: Circle, material: pyb2d3.SurfaceMaterial, scale: float) -> None:

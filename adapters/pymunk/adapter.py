@@ -98,17 +98,10 @@ def _refuses_natively(case: Case) -> str | None:
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
-    belt = case.effect(Belt)
-    drive = case.effect(Drive)
-    endless = not case.track.period and not case.track.domain
-    if belt and endless and facets.track_kind(case) == "chain":
+    movers = [kind.__name__ for kind in (Belt, Load, Drive) if case.effect(kind)]
+    if movers and not case.track.period and not case.track.domain and facets.track_kind(case) == "chain":
         return (
-            "pymunk's chain of segments must have ends, and a belt may carry the plate anywhere on this endless track."
-        )
-    mover = "Load" if case.effect(Load) else "Drive" if drive else ""
-    if mover and endless and facets.track_kind(case) == "chain":
-        return (
-            f"pymunk's chain of segments must have ends, and a {mover} may move the plate anywhere on this endless "
+            f"pymunk's chain of segments must have ends, and a {movers[0]} may move the plate anywhere on this endless "
             "track."
         )
     return None

@@ -190,9 +190,11 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[py
         fixed += some
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(fixed)
-    if case.others:  # the engine solves contacts in the order in which it finds those of the shapes that are added
+    # The engine solves contacts in the order in which shapes are added, and searches them from where they are then.
+    moving = [*bodies, *([track] if case.effect(Drive) else [])]
+    if case.others:
         to_start(case, bodies, h)
-    space.add(*bodies, *([track] if case.effect(Drive) else []), *fixed, *shapes)
+    space.add(*moving, *((*fixed, *shapes) if case.others else (*shapes, *fixed)))
     to_start(case, bodies, h)
     return space, bodies
 

@@ -228,6 +228,6 @@ def test_engines_refuse_shapes_whose_contacts_have_no_closed_form():
         assert "'disc' is no disc and no convex polygon" in refusal(pymunk, other, "native")
     # As any adapter that does not list its routes in FREE_POLYGONS.
     engine = SimpleNamespace(NAME="discs", SEVERAL_PLATES=("native",), SUPPORTS=("native",), refuses=lambda *_: None)
-    sentence = "The native route supports several plates if all of them are discs."
+    sentence = "The native route does not support several plates unless all of them are discs."
     assert refusal(engine, good, "native") == sentence
     assert refusal(pymunk, good, "native") is None
