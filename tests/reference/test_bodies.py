@@ -4,16 +4,14 @@ Discs of radius r; the angle φ of a contact is that of the line of centres from
 """
 
 from itertools import product
-from math import atan2, cos, inf, sin, sqrt
+from math import cos, inf, sin, sqrt
 
 import numpy as np
 import pytest
 
-from cases import Case, Curve, Mode, Plate
-from cases.library import ellipse
-from reference.paper.bodies import BodyContact, solve_bodies
+from cases import Mode
 from reference.witness import complementarity
-from tests.scenes.piles import BOTH, STILL, ContactSystem, G, Pile, body, case_of, contact_system, on_top, random_pile
+from tests.scenes.piles import BOTH, STILL, ContactSystem, G, Pile, on_top, random_pile
 
 # --- two discs --------------------------------------------------------------------------------------------------------
 
@@ -163,51 +161,3 @@ def test_both_formulations_agree_at_random_states_of_two_bodies():
 def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
     counts = _compare(range(2000))
     assert counts["one"] > 1800 and counts["open"] > 100, counts
-
-
-def test_bodies_need_not_be_round():
-    """An ellipse on an ellipse, both turning and slipping: both formulations, and momentum without outer forces."""
-    lower, upper = Plate(ellipse(0.5, 0.3), 2.0, 0.3), Plate(ellipse(0.4, 0.25), 1.0, 0.08)
-    backward = Curve(_clockwise)  # the boundary of the lower one, run through clockwise
-    numbers = np.random.default_rng(3)
-    for _ in range(5):
-        xi1, angle, base_angle = numbers.uniform(-3.0, 3.0, 3)
-        pair = body(upper, backward, 0.3)
-        c, s = cos(base_angle), sin(base_angle)
-        turn = np.array([[c, -s], [s, c]])
-        point, tangent = turn @ backward.point(xi1), turn @ backward.tangent(xi1)
-        # ξ₂ where the outline's tangent has the direction of the track's.
-        local = np.array([[cos(angle), sin(angle)], [-sin(angle), cos(angle)]]) @ tangent
-        xi2 = atan2(-local[0] / 0.4, local[1] / 0.25)
-        arm = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]]) @ upper.outline.point(xi2)
-        centre, normal = point - arm, np.array([-tangent[1], tangent[0]])
-        spins, base_velocity = numbers.uniform(-3.0, 3.0, 2), numbers.uniform(-1.0, 1.0, 2)
-        # A velocity with slip 1 m/s along the tangent and none along the normal.
-        carried = base_velocity + spins[0] * np.array([-point[1], point[0]]) + tangent
-        velocity = carried - spins[1] * np.array([-arm[1], arm[0]])
-        states = [(0.0, 0.0, base_angle, *base_velocity, spins[0]), (*centre, angle, *velocity, spins[1])]
-        system = contact_system(case_of([upper, lower], [(1, 0)], [0.3]), states[::-1], [(1, 0)])
-        assert system.velocities == pytest.approx([0.0, 1.0], abs=1e-12)
-        normal_force = -system.free[0] / (system.delassus[0] @ (1.0, -0.3))
-        rate = np.array(_rates(pair, xi1, xi2, spins[1] - spins[0], 1.0))
-        contact = BodyContact(pair, Mode.SLIP_FORWARD, (xi1, xi2, *rate), 1, 0)
-        literal = solve_bodies([body(lower), body(upper)], [contact], [(0.0, *state) for state in states])
-        expected = system.accelerations(normal_force * np.array([1.0, -0.3]))[::-1]
-        assert literal.q1_ddot == pytest.approx(expected, rel=1e-10, abs=1e-10)
-        momentum = 2.0 * literal.q1_ddot[0, :2] + literal.q1_ddot[1, :2]
-        assert momentum == pytest.approx([0.0, -3.0 * G], abs=1e-10)
-        assert normal @ centre > 0.0
-
-
-def _clockwise(s):
-    from cases.curves import cos as cosine
-    from cases.curves import sin as sine
-
-    return 0.5 * sine(s), 0.3 * cosine(s)
-
-
-def _rates(pair: Case, xi1: float, xi2: float, spin: float, slip: float) -> tuple[float, float]:
-    """ξ̇₁ and ξ̇₂ as the base sees them: from the turning of both tangents, and the slip along them."""
-    bend, own = float(pair.track.curvature(xi1)), float(pair.plate.outline.curvature(xi2))
-    along = (own * slip - spin) / (own - bend)
-    return along / float(pair.track.speed(xi1)), (along - slip) / float(pair.plate.outline.speed(xi2))

@@ -28,18 +28,7 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases.contact.geometry import find
-from cases.contact.nearest_samples import nearest_samples
-from cases.contact.polygon_features import region_of, regions
-from cases.curves.corner import Corner
-from cases.library import hill, line
-from cases.scene.free_plates import plates_of, start_poses
-from reference.paper.bodies import BodyContact, solve_bodies
-from reference.solver.places import place
-from reference.solver.plate_numbers import bodies as numbers_of
-from reference.solver.plate_numbers import load_at
-from reference.solver.touching import touching_contacts
-from reference.witness.contacts import plates_at
+from cases.library import line
 
 G = 9.81
 
@@ -116,90 +105,6 @@ def test_a_wedge_under_a_sliding_disc_sticks_up_to_the_exact_coefficient(share, 
         low, high = max(-mu * own, friction - mu * other), min(mu * own, friction + mu * other)
         assert one.friction_range[:, 0] == pytest.approx([low, high], abs=1e-12 * normal)
         assert np.isnan(one.friction_force[0])
-
-
-def test_the_region_of_a_point_is_that_of_its_nearest_point():
-    """Against the nearest of 4,000 points of the outline, at random points outside a triangle."""
-    polygon, numbers = Plate.polygon([(0, 0), (1, 0), (0.2, 0.7)], 1.0), np.random.default_rng(3)
-    outline, around = polygon.outline, regions(polygon)
-    s = np.linspace(*outline.span, 4001)
-    points = outline.point(s)
-    for x, y in numbers.uniform(-2.0, 2.0, (200, 2)).tolist():
-        distances = np.hypot(points[0] - x, points[1] - y)
-        one = around[int(region_of(around, x, y))]
-        far = np.hypot(x - one.x, y - one.y) if one.corner else (x - one.x) * one.ty - (y - one.y) * one.tx
-        if distances.min() > 0.8:  # outside: inside, all distances are below the inscribed circle's
-            assert far == pytest.approx(distances.min(), abs=1e-5)  # samples are 1e-3 m apart: (1e-3)²/(8·0.8)
-
-
-# --- the paper's matrix at instants -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("mode", [pytest.param(Mode.SLIDE, marks=pytest.mark.slow), Mode.ROLL])
-@pytest.mark.parametrize("where", ["edge", "corner"])
-def test_the_papers_matrix_has_the_same_accelerations(where, mode):
-    """A block on one corner and a disc on it, both turning; rates of parameters by central differences of 1e-5 s."""
-    mu = 0.6 if mode is Mode.ROLL else 0.0
-    case = replace(_touching(where), effects=(*_touching(where).effects[:4], *((CoulombFriction(mu),) if mu else ())))
-    poses = start_poses(case)
-    pairs, plates = [], plates_of(case)
-    state = np.concatenate([poses[:, :3].ravel(), poses[:, 3:].ravel()])
-    now = [place(pair, state, points) for pair, points in touching_contacts(case, state)]
-    assert [at.pair.whole.base is None for at in now] == [True, False]
-    velocity = _without_lift(now, numbers_of(case).inverse, state, mode is Mode.ROLL)
-    moving = np.concatenate([state[:6], velocity])
-    now = [place(at.pair, moving, (at.xi1, at.xi2)) for at in now]
-    motions = [(0.0, *state[3 * b : 3 * b + 3], *velocity[3 * b : 3 * b + 3]) for b in range(2)]
-    for at in now:
-        pair, points, own, base = at.pair, (at.xi1, at.xi2), *plates_at(at.pair)
-        if isinstance(pair.track, Corner):  # the matrix has no corner of a track: the corner on the disc's boundary
-            corner = next(one for one in plates[0].outline.corners if (one.x, one.y) == (pair.track.x, pair.track.y))
-            pair = SimpleNamespace(track=hill(0.1), plate=SimpleNamespace(outline=corner), effect=pair.effect)
-            points, own, base = None, base, own
-
-        def when(step, pair=pair, points=points, own=own, base=base):
-            x, y, theta, u, v, turn = state[:6] + step * velocity
-            if base is None:
-                return find(pair.track, pair.plate.outline, x, y, theta, points)
-            (x, y, theta), (u, v, turn) = ((x, y, theta), (u, v, turn))[:: 1 - 2 * own]
-            c, s, dx, dy = cos(turn), sin(turn), x - u, y - v
-            relative = c * dx + s * dy, c * dy - s * dx, theta - turn
-            near = points or nearest_samples(pair.track, pair.plate.outline, *relative)[0]
-            return find(pair.track, pair.plate.outline, *relative, near)
-
-        early, here, late = when(-1e-5), when(0.0), when(1e-5)
-        rates = [(late.xi1 - early.xi1) / 2e-5, (late.xi2 - early.xi2) / 2e-5]
-        pairs.append(BodyContact(pair, mode, (here.xi1, here.xi2, *rates), own, base))
-    bodies = [replace(case, plate=plate, start=cases.Start(0.0, 0.0), others=(), supports=()) for plate in plates]
-    answer = solve_bodies(bodies, pairs, motions)
-    rows, biases = [], []
-    for at in now:
-        rows.append(at.lift_row)
-        biases.append(at.lift_bias)
-        if mode is Mode.ROLL:
-            rows.append(at.slip_row)
-            biases.append(at.slip_bias)
-    matrix, inverse, load = np.array(rows), numbers_of(case).inverse, load_at(case, 0.0, moving)
-    force = np.linalg.solve(matrix * inverse @ matrix.T, -(matrix @ load + biases))
-    exact = load + inverse * (matrix.T @ force)
-    # Differences of 1e-5 s: 1e-10 of the rates, times speeds of some m/s and 10/m.
-    assert answer.q1_ddot.ravel() == pytest.approx(exact, abs=1e-6)
-
-
-def _touching(where: str) -> Case:
-    """A block on one corner, and a disc that touches an edge or a corner of it."""
-    block, theta, r = Plate.rectangle(1.0, 0.4, 2.0), 0.3, 0.1
-    turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
-    height = 5.0 - float((turn @ (-0.5, -0.2))[1])
-    touches = turn @ ((0.1, 0.2 + r) if where == "edge" else (0.5 + r * sin(0.7), 0.2 + r * cos(0.7)))
-    at = StartPose(float(touches[0]), height - 5.0 + float(touches[1]), 0.4, 0.3, -0.2, 2.0)
-    return scene(block, StartPose(0.0, height - 5.0, theta, 0.5, 0.1, 0.7), disc(r, 1.0), at)
-
-
-def _without_lift(now, inverse, state, sticks) -> np.ndarray:
-    rows = np.array([at.lift_row for at in now] + [at.slip_row for at in now if sticks])
-    off = np.linalg.solve(rows * inverse @ rows.T, rows @ state[6:])
-    return state[6:] - inverse * (rows.T @ off)
 
 
 # --- both formulations ------------------------------------------------------------------------------------------------

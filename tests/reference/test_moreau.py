@@ -121,16 +121,6 @@ def test_the_slip_after_an_impact_is_that_of_a_bisection_over_the_ratio_of_frict
     assert collide(law, before).slip == pytest.approx(slip(tau), abs=1e-12 * scale)
 
 
-@drawn(200)
-@given(slip=arms, lift=st.floats(-3.0, -1e-3), omega=arms, mu=st.floats(0.0, 3.0), e=st.floats(0.0, 1.0))
-def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
-    # Friction does not change a disc's normal velocity, so that the course of the impulse does not matter.
-    laws = [Law(0.0, -0.1, 0.005, mu, mu, 0.0, e, name) for name in cases.effects.IMPACT_LAWS]
-    one, *others = [collide(law, ContactVelocity(slip, lift, omega)) for law in laws]
-    for other in others:
-        assert other == pytest.approx(one, rel=1e-12, abs=1e-12)
-
-
 @pytest.mark.parametrize("lift", [-1.0, -0.3])
 @pytest.mark.parametrize("law", cases.effects.IMPACT_LAWS)
 def test_a_restitution_that_underflows_is_none(law, lift):

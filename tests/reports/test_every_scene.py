@@ -82,7 +82,7 @@ KINDS: dict[str, Callable[[int], Case]] = {
     "ellipses": lambda seed: hard.hard_scene(np.random.default_rng(seed))[1],
     "lifted plates": lambda seed: lifted_plates.lifted_plate(seed).case,
     "loads": lambda seed: loads.scene(np.random.default_rng(seed))[0],
-    "ripples": lambda seed: ripples.rippled(seed),
+    "ripples": ripples.rippled,
     "slip laws": lambda seed: slip_laws.random_scene(np.random.default_rng(seed)),
     "ties": lambda seed: ties.tie(seed).case,
     "walled plates": walled_plates.random_walled_plates,
