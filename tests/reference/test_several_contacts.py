@@ -1,6 +1,5 @@
 """A plate with several contacts: exact motions, and agreement of two formulations that share no code."""
 
-from functools import lru_cache
 from math import cos, radians, sin, sqrt, tan
 
 import numpy as np
@@ -24,15 +23,10 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases import curves as c
-from cases.contact import start_motion
 from cases.library import line
 from cases.motion.mechanics import energy
-from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
-from reference.witness import complementarity
-from reference.witness.contacts import PlateDynamics, frictions, pair_at
 from tests.scenes import second as second_states
-from tests.scenes.decisions import accelerations_of, decision_in
 
 G = 9.81
 
@@ -167,79 +161,6 @@ def test_a_second_contact_without_a_law_of_impact_ends_the_motion_and_says_what_
     effects = Gravity(G), CoulombFriction(0.2), Unilateral()
     motion = reference.simulate(Case(groove(radians(20), 0.01), disc(0.5, 1.0), effects, Start(-0.6), 3.0))
     assert motion.status == "second_contact" and "add Flight() and Impact(0.0)" in motion.reason
-
-
-# --- decisions --------------------------------------------------------------------------------------------------------
-
-
-@lru_cache(maxsize=32)
-def _valley(number: int) -> tuple[Curve, tuple[float, float], float]:
-    """A valley, one of 32, with the parameters at which a disc touches both flanks, and its radius."""
-    numbers = np.random.default_rng(number)
-    radius, alpha = numbers.uniform(0.3, 0.7), numbers.uniform(0.3, 1.1)
-    track = groove(alpha, 0.05 * radius)
-    xi1, _ = held(track, radius, low=0.35 * radius * sin(alpha))
-    return track, (xi1, -xi1), radius
-
-
-def _random_state(seed: int):
-    """A disc in a valley at rest or turning, under a random load, with random friction: case and decision."""
-    numbers = np.random.default_rng(seed)
-    track, contacts, radius = _valley(seed % 32)
-    moves = float(numbers.choice([0.0, numbers.uniform(-5.0, 5.0)]))
-    fx, fy, moment = numbers.uniform(-15.0, 15.0, 3) * (1.0, 1.0, 0.3)
-    effects = CoulombFriction(float(numbers.uniform(0.05, 1.2))), Load(fx=fx, fy=fy, moment=moment)
-    case = case_in(track, Start(contacts[0], slip=radius * moves, omega=moves), *effects, radius=radius)
-    begin = start_motion(case)
-    body = [begin.x, begin.y, begin.theta, 0.0, 0.0, moves]
-    return case, decision_in(case, body, max(abs(moves) * radius, 1.0))
-
-
-def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray | None]:
-    """Accelerations of a random state by enumeration and by Lemke's method, one for each motion, and by projected
-    Gauss-Seidel from zero (None: it does not converge)."""
-    case, (now, contacts, decision) = _random_state(seed)
-    first = accelerations_of(now, contacts, decision)
-    dynamics, body = PlateDynamics(case), list(now.state)
-    some = [pair_at(pairs(case)[0], body, (at.xi1, at.xi2)) for at in contacts]
-    matrix, rows = dynamics.delassus(some)
-    free = dynamics.free_rates(0.0, body, some, rows)
-    slips = [None if abs(pair.slip) < 1e-9 else float(np.sign(pair.slip)) for pair in some]
-    law = frictions(some)
-
-    def move(force: np.ndarray) -> np.ndarray:
-        return dynamics.inverse * (dynamics.torsor(0.0, body) + rows.T @ force)
-
-    second = [move(force) for force in complementarity.solutions(matrix, free, slips, *law)]
-    projected = complementarity.gauss_seidel(matrix, free, slips, *law, np.zeros(4), sweeps=20_000)
-    return first, second, None if projected is None else move(projected)
-
-
-def _compare_decisions(seeds) -> dict[str, int]:
-    counts = {"one": 0, "several": 0, "none": 0, "projected": 0}
-    for seed in seeds:
-        first, second, projected = _accelerations(seed)
-        counts["one" if len(first) == 1 else "several" if first else "none"] += 1
-        if len(first) == 1:
-            assert len(second) == 1, seed
-            assert second[0] == pytest.approx(first[0], rel=1e-8, abs=1e-8), seed
-            if projected is not None:
-                counts["projected"] += 1
-                assert projected == pytest.approx(first[0], rel=1e-6, abs=1e-6), seed
-        for one in second:  # a motion that Lemke's method finds is among those of the enumeration
-            assert any(np.abs(one - other).max() < 1e-6 for other in first) or not first, seed
-    return counts
-
-
-def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
-    counts = _compare_decisions((*range(20), 60))  # 60 has several motions; the slow test has 5000
-    assert counts["one"] > 14 and counts["projected"] > 13 and counts["several"] > 0
-
-
-@pytest.mark.slow
-def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
-    counts = _compare_decisions(range(5000))
-    assert counts["one"] > 4000 and counts["projected"] > 3500
 
 
 # --- two formulations -------------------------------------------------------------------------------------------------
