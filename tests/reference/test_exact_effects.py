@@ -12,7 +12,6 @@ import reference
 from cases import (
     Case,
     CoulombFriction,
-    Curve,
     Flight,
     Gravity,
     Impact,
@@ -25,8 +24,7 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases import curves as c
-from cases.library import circle, ellipse, hill, line
+from cases.library import ellipse, line
 from reference.minimal.impact import ContactVelocity, Law, collide, energy
 
 G, R, M = 9.81, 0.5, 2.0
@@ -97,22 +95,6 @@ def test_static_friction_holds_a_rolling_disc_up_to_three_times_its_coefficient(
     assert _rolls(threshold * (1 - 1e-9)) and not _rolls(threshold * (1 + 1e-9))
 
 
-@METHODS
-@pytest.mark.parametrize("track, rho", [(circle(1.0), 0.8), (hill(1.0), 1.2)], ids=["pressed", "pulled"])
-def test_friction_in_a_bilateral_guide_goes_by_the_magnitude_of_the_normal_force(method, track, rho):
-    # A weightless disc sliding along a circle: |N| = m v²/ρ whether the guide presses it or pulls it.
-    mu = 0.3
-    case = Case(track, disc(0.2, M), (CoulombFriction(mu),), Start(xi1=0.0, slip=1.0), 0.5)
-    motion = reference.simulate(case, method=method, rtol=1e-12)
-    assert np.sign(motion.normal_force[0]) == (1 if rho < 1 else -1)
-    assert modes(motion) == [Mode.SLIP_FORWARD]
-    assert _along(motion, 0.5) == pytest.approx(1.0 / (1.0 + mu * 0.5 / rho), rel=1e-11)
-
-
-def _along(motion, t):
-    return float(np.hypot(motion(t).vx, motion(t).vy))
-
-
 # --- loads ------------------------------------------------------------------------------------------------------------
 
 
@@ -174,23 +156,6 @@ def test_tumbling_ellipse_lands_where_its_support_function_meets_the_line(method
     assert motion.t[-1] == pytest.approx(brentq(clearance, first - 2e-3, first, xtol=1e-15), rel=1e-13)
 
 
-@METHODS
-def test_disc_that_leaves_a_hill_lands_on_the_plain_below(method):
-    bump = Curve(lambda s: (s, 2.0 * c.exp(-(s**2))), (-6, 6))
-    case = Case(bump, disc(0.1, M), (Gravity(G), Unilateral(), Flight()), Start(xi1=0.0, slip=1.8), 4.0)
-    motion = reference.simulate(case, method=method, rtol=1e-12)
-    leaves = motion.transitions[0]
-    assert (leaves.before, leaves.after) == (Mode.SLIDE, Mode.FLIGHT) and motion.status == "landing"
-    gone = motion(leaves.time)
-    t = motion.t[-1] - leaves.time
-    assert motion(motion.t[-1]).y == pytest.approx(gone.y + gone.vy * t - 0.5 * G * t**2, abs=1e-12)
-    # N = 0: the centre's acceleration along the normal is gravity's, at the same instant.
-    tangent, bend = case.track.tangent(leaves.xi1), float(case.track.curvature(leaves.xi1))
-    rho = -1.0 / bend + 0.1
-    assert (gone.vx**2 + gone.vy**2) / rho == pytest.approx(G * float(tangent[0]), rel=1e-9)
-    assert 0.5 * (gone.vx**2 + gone.vy**2) + G * gone.y == pytest.approx(1.62 + G * motion.y[0], rel=1e-11)
-
-
 # --- impact -----------------------------------------------------------------------------------------------------------
 
 
@@ -239,48 +204,6 @@ def test_bouncing_on_a_slope_comes_to_rest_in_a_slide_with_its_exact_speed():
 
 def _law(arm_t, arm_n, gyration, mu, e, name="poisson"):
     return Law(arm_t, arm_n, gyration, mu, mu, 0.0, e, name)
-
-
-class Routh:
-    """One impact in the plane in Routh's notation: (v_t, v_n) grows by (A P_t + C P_n, C P_t + B P_n)."""
-
-    def __init__(self, law, slip, lift):
-        self.A = 1 + law.arm_n**2 / law.gyration
-        self.B = 1 + law.arm_t**2 / law.gyration
-        self.C = -law.arm_t * law.arm_n / law.gyration
-        self.law, self.slip, self.lift = law, slip, lift
-
-    def after(self, tangential, normal):
-        return self.slip + self.A * tangential + self.C * normal, self.lift + self.C * tangential + self.B * normal
-
-
-def test_impact_that_slips_throughout_has_rouths_velocities():
-    law = _law(0.2, -0.5, 0.1, 0.1, 0.5)
-    routh = Routh(law, 4.0, -1.0)
-    compression = 1.0 / (routh.B - 0.1 * routh.C)
-    normal = 1.5 * compression
-    after = collide(law, ContactVelocity(4.0, -1.0, 0.3))
-    assert after[:2] == pytest.approx(routh.after(-0.1 * normal, normal), rel=1e-14)
-    assert after.slip > 0.0
-
-
-@pytest.mark.parametrize("law_name", ["poisson", "newton"])
-def test_impact_whose_slip_ends_sticks_to_the_end(law_name):
-    law = _law(0.05, -0.5, 0.125, 0.5, 0.7, law_name)
-    slip, lift = 0.5, -2.0
-    routh = Routh(law, slip, lift)
-    until_stick = slip / (0.5 * routh.A - routh.C)
-    # Then the tangential impulse goes by −C/A.
-    at_stick = routh.lift + (routh.B - 0.5 * routh.C) * until_stick
-    stiffness = routh.B - routh.C**2 / routh.A
-    assert at_stick < 0.0  # it ends during compression
-    if law_name == "poisson":
-        lift_after = stiffness * 0.7 * (until_stick - at_stick / stiffness)
-    else:
-        lift_after = 0.7 * 2.0
-    after = collide(law, ContactVelocity(slip, lift, -0.2))
-    assert after.slip == 0.0
-    assert after.lift == pytest.approx(lift_after, rel=1e-14)
 
 
 def test_newtons_law_would_create_energy_where_friction_reverses_the_slip_and_is_told():
