@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import reference
 from cases import (
     Case,
     Chain,
@@ -25,22 +24,16 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reference.certification.witnesses import _by_second
 from reports.judging.residuals import energy_residual
 from tests.scenes.agreement import agree
-from tests.scenes.supports import slow
+
+from .test_belts_and_supports import METHODS, motion_by
 
 G = 9.81
 EFFECTS = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
-METHODS = pytest.mark.parametrize("method", [reference.METHODS[0], "second", *slow(*reference.METHODS[1:])])
 # Where a rest ends, the second formulation notices accelerations of 1e-12 of their terms: of a g that grows by some
 # 10 g in a second, this is 1e-12 s.
 END_OF_REST = 5e-12
-
-
-def motion_by(case: Case, method: str):
-    """Transitions and status of a motion by the first or the second formulation."""
-    return _by_second(case, "second", 1e-13) if method == "second" else reference.simulate(case, 1e-14, method)
 
 
 def box(width: float, height: float, mu: float, *more, duration: float = 1.0) -> Case:
