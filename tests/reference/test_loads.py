@@ -76,10 +76,7 @@ def soft_wall(x):
 POTENTIALS = {
     "soft wall": ("-1e4*log(1+exp((x-2)*200))/200", soft_wall),
     "step": ("1.5*(1+tanh(20*(x-3)))", lambda x: -1.5 * (x + (_logcosh(20 * (x - 3)) - _logcosh(60.0)) / 20)),
-    "steep wall": ("-exp((x-2)*300)", lambda x: (exp((x - 2) * 300) - exp(-600)) / 300),
-    "logistic": ("-100/(1+exp(-(x-2)*100))", lambda x: _softplus(100 * (x - 2)) - _softplus(-200.0)),
     "kink": ("-3*sqrt(1e-12+(x-2)**2)", lambda x: 1.5 * (_root(x - 2) - _root(-2.0))),
-    "arc tangent": ("-3*atan((x-2)/1e-6)", lambda x: 3e-6 * (_of_atan((x - 2) / 1e-6) - _of_atan(-2e6))),
     "high power": ("-5*(x/2)**60", lambda x: 10 / 61 * (x / 2) ** 61),
     "many hills": (
         "20*exp(-(sin(x)/0.001)**2)",
@@ -89,11 +86,6 @@ POTENTIALS = {
         "1000*(tanh((x-2)/1e-4)-tanh((x-2.0005)/1e-4))",
         lambda x: -0.1 * (_logcosh((x - 2) / 1e-4) - _logcosh((x - 2.0005) / 1e-4) + 5.0),
     ),
-    "bell": ("50*(1+((x-2)/1e-3)**2)**(-1.5)", lambda x: -0.05 * (_sine((x - 2) / 1e-3) - _sine(-2e3))),
-    "quartic hill": (
-        "500*exp(-((x-2)/1e-3)**4)",
-        lambda x: -mpmath.quad(lambda s: 500 * mpmath.exp(-(((s - 2) * 1000) ** 4)), [1.99, 2, min(x, 2.01)]),
-    ),
 }
 
 
@@ -101,20 +93,8 @@ def _logcosh(u):
     return abs(u) + log((1 + exp(-2 * abs(u))) / 2)
 
 
-def _softplus(u):
-    return max(u, 0.0) + log(1 + exp(-abs(u)))
-
-
 def _root(u):
     return u * sqrt(u * u + 1e-12) + 1e-12 * asinh(u / 1e-6)
-
-
-def _of_atan(u):
-    return u * np.arctan(u) - 0.5 * log(1 + u * u)
-
-
-def _sine(u):
-    return u / sqrt(1 + u * u)
 
 
 def _about_pi(x):
