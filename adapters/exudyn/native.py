@@ -123,10 +123,10 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
 def _contacts(case: Case, setting: Setting) -> list[SphereContact]:
     """All contacts that the plates of a case may have."""
     if case.others:
-        poses = starts_of(case)
+        poses, plates = starts_of(case), plates_of(case)
         return [
             SphereContact(
-                one, one.body, Sphere(one.circle.x, one.circle.y, one.circle.radius), one.curve, one.base,
+                one, one.body, Sphere(one.circle.x, one.circle.y, plates[one.body].reach), one.curve, one.base,
                 gap_of(one, poses),
             )
             for one in plate_contacts(case)
