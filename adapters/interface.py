@@ -163,7 +163,7 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
     from cases import Drive, Impact
     from cases.own_effects import own_effects
     from cases.scene.free_plates import loads_of, plates_of, why_not_closed_forms
-    from cases.scene.limits import Scope, has_turned_plate, limit
+    from cases.scene.limits import Scope, has_spinning_plate, limit
     from cases.scene.piece_case import has_pieces
     from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
 
@@ -196,7 +196,7 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
         # A support may resist rolling where the track does not, and contacts are read without a couple of their own.
         yield has_rolling_resistance(case), "none", "rolling resistance on several fixed curves (supports)"
     # In the frame of the track it turns, which no engine's plate of fixed rotation does.
-    yield has_turned_plate(case), "none", "a plate of infinite inertia on a track that turns"
+    yield has_spinning_plate(case), "none", "a plate of infinite inertia on a track that turns"
     yield has_pieces(case), "CORNERS", "curves with corners"
     with_several = drives and (has_pieces(case) or supports)
     yield with_several, "DRIVEN_CONTACTS", "a driven track together with corners or supports"

@@ -27,7 +27,7 @@ from .formulas import late_sympy as sp
 from .motion.trajectory import State, Trajectory
 from .scene.case_class import Case
 from .scene.free_plates import loads_of, plates_of, start_poses
-from .scene.plate import Plate, TurnedPlate
+from .scene.plate import Plate, SpinningPlate
 from .scene.start_pose import StartPose
 
 
@@ -64,7 +64,7 @@ def _from_track(case: Case, drive: Drive) -> Case:
 
 def _seen(plate: Plate, drive: Drive) -> Plate:
     """The plate as the track sees it: one of infinite inertia turns against a track that turns."""
-    return TurnedPlate(plate.outline, plate.mass, inf) if drive.is_turning and not plate.turns else plate
+    return SpinningPlate(plate.outline, plate.mass, inf) if drive.is_turning and not plate.turns else plate
 
 
 @in_one_thread

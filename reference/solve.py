@@ -24,7 +24,7 @@ from cases.motion.trajectory import CONTACT
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.free_plates import names_of, start_poses
-from cases.scene.limits import Scope, as_sentence, has_turned_plate, limit
+from cases.scene.limits import Scope, as_sentence, has_spinning_plate, limit
 from cases.scene.piece_case import PieceCase, has_pieces
 
 from . import augmented_integrator, solver
@@ -124,7 +124,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     rtol, method = between("rtol", rtol, *TOLERANCES), _method_name(method, case)
     if method == "augmented" and case.others:
         raise NotSupported("the method 'augmented' has one plate; leave method out, or give 'dop853'")
-    if method == "augmented" and (touches_by_features(case) or has_turned_plate(case)):
+    if method == "augmented" and (touches_by_features(case) or has_spinning_plate(case)):
         raise NotSupported("the method 'augmented' has one contact; leave method out, or give 'dop853'")
     if method == "augmented" and has_pieces(case):
         raise NotSupported("the method 'augmented' does not integrate over corners; leave method out, or give 'dop853'")

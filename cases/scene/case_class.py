@@ -87,7 +87,7 @@ class Case:
             poses = [("Start", self.plate, self.start.omega)]
             poses += [(f"the StartPose of {one.name!r}", one.plate, one.start.omega) for one in self.others]
             for where, plate, omega in poses:
-                if not (plate.turns or plate.is_turned) and omega != 0.0:
+                if not (plate.turns or plate.spins_by_load) and omega != 0.0:
                     raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in {where}, not {omega:g}")
             check_sizes(self)
             self.start.check(self.track, self.plate.outline, self.effects)

@@ -36,7 +36,7 @@ def is_general_case(case: Case) -> bool:
     """Whether a motion is computed in poses of any number of plates, with pairs of elements of their curves."""
     if case.others:
         return True
-    return (case.plate.is_turned or has_pieces(case)) and not case.plate.turns
+    return (case.plate.spins_by_load or has_pieces(case)) and not case.plate.turns
 
 
 def touches_by_features(case: Case) -> bool:

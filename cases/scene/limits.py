@@ -71,7 +71,7 @@ def _has_corners(case: Any) -> bool:
     return isinstance(case.plate.outline, Chain)
 
 
-def has_turned_plate(case: Any) -> bool:
+def has_spinning_plate(case: Any) -> bool:
     """Whether a plate of infinite inertia is on a track that turns."""
     turns = (drive := case.effect(Drive)) is not None and drive.is_turning
     return turns and not all(plate.turns for plate in (case.plate, *(other.plate for other in case.others)))
@@ -195,7 +195,7 @@ LIMITS = (
     Limit(
         Scope.SHAPES,
         "a plate of infinite inertia on a track that turns (angle of Drive)",
-        has_turned_plate,
+        has_spinning_plate,
         "a plate of infinite inertia is on a track that turns; leave angle of Drive out",
         Reason.NOT_BUILT,
         "such a plate turns in the track's frame, in which the second formulation is",
@@ -287,7 +287,7 @@ def as_sentence(reason: str) -> str:
 
 def check_limits(case: Any) -> None:
     """Raise BadValue or DoesNotFit, with a sentence, for a case that no solver of the reference computes."""
-    several = {Scope.SEVERAL_CONTACTS: case.supports or has_turned_plate(case), Scope.SEVERAL_PLATES: case.others}
+    several = {Scope.SEVERAL_CONTACTS: case.supports or has_spinning_plate(case), Scope.SEVERAL_PLATES: case.others}
     for scope in (Scope.ANY, *(scope for scope, parts in several.items() if parts)):
         if reason := limit(case, scope):
             raise (DoesNotFit if scope is Scope.ANY else BadValue)(reason)

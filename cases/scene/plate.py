@@ -152,7 +152,7 @@ class Plate:
         return self.inertia < inf
 
     @property
-    def is_turned(self) -> bool:
+    def spins_by_load(self) -> bool:
         """Whether its spin changes as its load says, whatever forces act."""
         return False
 
@@ -183,12 +183,12 @@ class Plate:
 
 
 @lru_cache(maxsize=256)
-class TurnedPlate(Plate):
+class SpinningPlate(Plate):
     """A plate of infinite inertia as a track that turns sees it: the moment of its load is the rate of its spin
     (rad/s²), whatever forces act."""
 
     @property
-    def is_turned(self) -> bool:
+    def spins_by_load(self) -> bool:
         return True
 
 

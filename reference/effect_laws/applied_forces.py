@@ -33,12 +33,12 @@ class Weight:
 
 @dataclass(frozen=True)
 class AppliedLoad:
-    """A load by its formulas; the names of their constants begin with `name`. `is_of_turned`: its moment is the rate of
+    """A load by its formulas; the names of their constants begin with `name`. `gives_spin`: its moment is the rate of
     the plate's spin."""
 
     formulas: LiftedFormulas
     name: str = "load"
-    is_of_turned: bool = False
+    gives_spin: bool = False
     is_uniform = of_all_plates = False
 
     @derived
@@ -64,9 +64,9 @@ class AppliedLoad:
 
 
 @lru_cache(maxsize=256)
-def applied_load(expression: tuple[sp.Expr, ...], name: str = "load", is_of_turned: bool = False) -> AppliedLoad:
+def applied_load(expression: tuple[sp.Expr, ...], name: str = "load", gives_spin: bool = False) -> AppliedLoad:
     """The form of a load with those components."""
-    return _applied_load(lift(*expression), name, is_of_turned)
+    return _applied_load(lift(*expression), name, gives_spin)
 
 
 _applied_load = lru_cache(maxsize=256)(AppliedLoad)  # one object for loads that differ in numbers
@@ -77,7 +77,7 @@ def applied_forces(case: Case) -> tuple[Weight | AppliedLoad, ...]:
     gravity, load = case.effect(Gravity), case.effect(Load)
     return (
         *((Weight(),) if gravity else ()),
-        *((applied_load(load.expression, is_of_turned=case.plate.is_turned),) if load else ()),
+        *((applied_load(load.expression, gives_spin=case.plate.spins_by_load),) if load else ()),
     )
 
 

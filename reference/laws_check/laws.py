@@ -197,7 +197,7 @@ def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) ->
             off = one.spin[:, -1] - one.spin[:, 0] - spins + 0j
             yield Defects("angular momentum", name, end, off, turning, "rad/s", floor)
         else:  # its spin does not change, or as its load says
-            swing = _load(samples, b)[1] if plate.is_turned else 0.0
+            swing = _load(samples, b)[1] if plate.spins_by_load else 0.0
             off = one.spin[:, -1] - one.spin[:, 0] - length * (np.broadcast_to(swing, one.spin.shape) @ WEIGHTS) + 0j
             yield Defects("angular momentum", name, end, off, speed / size, "rad/s", floor)
         way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
@@ -388,7 +388,7 @@ def energy_of_impact(
     numbers or arrays."""
     plate, impact = case.plate, case.effect(Impact)
     assert impact is not None, "a velocity that jumps needs a law of impact"
-    if law.belt is None and not plate.is_turned and (impact.law == "poisson" or impact.restitution == 0.0):
+    if law.belt is None and not plate.spins_by_load and (impact.law == "poisson" or impact.restitution == 0.0):
         inertia = plate.inertia if plate.turns else 0.0
         work = plate.mass * ((after[0] - before[0]).conjugate() * (after[0] + before[0])).real
         work = work + inertia * ((after[1] - before[1]) * (after[1] + before[1])).real

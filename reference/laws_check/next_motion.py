@@ -244,13 +244,13 @@ def _solve(case, places, modes, force, unit, largest, small) -> Consistent | Non
                     above.append((turn * row, 0.0))
         columns += own_columns
     pull = np.array(columns).reshape(-1, len(own)).T
-    turned = np.array([i == 2 and plate.is_turned for plate in plates_of(case) for i in range(3)])
-    result = _program(total, pull, equal, above, inverse, turned, unit, largest, own)
+    by_load = np.array([i == 2 and plate.spins_by_load for plate in plates_of(case) for i in range(3)])
+    result = _program(total, pull, equal, above, inverse, by_load, unit, largest, own)
     return result and result._replace(modes=modes)
 
 
-def _program(total, pull, equal, above, inverse, turned, unit, largest, own) -> Consistent | None:
-    """Unknowns: accelerations and forces, in units of the scene, and the margin; `turned`: rates of spin that are
+def _program(total, pull, equal, above, inverse, by_load, unit, largest, own) -> Consistent | None:
+    """Unknowns: accelerations and forces, in units of the scene, and the margin; `by_load`: rates of spin that are
     given."""
     from scipy.optimize import linprog  # takes a tenth of a second to import
 
@@ -259,7 +259,7 @@ def _program(total, pull, equal, above, inverse, turned, unit, largest, own) -> 
     matrix, rest = np.zeros((n + len(equal), n + m + 1)), np.zeros(n + len(equal))
     matrix[:n, :n] = np.eye(n)
     matrix[:n, n : n + m] = -(pull * inverse[:, None]) * newton * unit[:, None]
-    rest[:n] = total * np.where(turned, 1.0, inverse) * unit
+    rest[:n] = total * np.where(by_load, 1.0, inverse) * unit
     for i, (row, value) in enumerate(equal):
         matrix[n + i, :n], rest[n + i] = row / unit / largest, value / largest
     sides, limits = np.zeros((len(above) + m, n + m + 1)), np.zeros(len(above) + m)

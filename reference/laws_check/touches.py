@@ -96,7 +96,7 @@ def direction_row(case: Case, law: ContactLaw, plates: PlatesNow, point: complex
     for body, sign in ((law.body, 1.0), (law.base, -1.0)):
         if body is not None:
             own = plates_of(case)[body]
-            turns = own.turns or own.is_turned
+            turns = own.turns or own.spins_by_load
             lever = ((point - plates.place[body]).conjugate() * direction).imag if turns else 0.0
             row[3 * body : 3 * body + 3] += sign * np.array([direction.real, direction.imag, lever])
     return row

@@ -290,7 +290,7 @@ def rest_margin(case: Case, state: Sequence[float], contacts: Sequence[ContactPl
     belt, which may move them. Raises Undecidable."""
     half, plates = len(state) // 2, plates_of(case)
     moves = np.asarray(state[half:], dtype=float)[rows_of(plates_in(contacts))].any()
-    if moves or any(plates[b].is_turned for b in plates_in(contacts)) or any(at.law.belt.runs for at in contacts):
+    if moves or any(plates[b].spins_by_load for b in plates_in(contacts)) or any(at.law.belt.runs for at in contacts):
         return -inf
     still = [Mode.REST if at.stick > 0.0 else Mode.SLIDE for at in contacts]
     balance = balance_of(case, t, state, np.zeros(half), contacts, still)

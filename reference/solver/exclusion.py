@@ -66,12 +66,12 @@ def impact_exclusions(
         mix = np.tile(np.eye(len(before)), (len(used[some]), 1, 1))
         mix[:, range(n, 2 * n), range(n)] -= signs[some] * finite
         mix[:, 2 * n :, :n] -= senses[some][:, :, None] * arms.T / gyration
-        given = np.zeros((len(mix), len(before)))  # of contacts that open, the least impulses
-        given[:, :n] = np.where(closed[some], 0.0, least)
-        offset = (mix @ given[..., None])[..., 0] @ delassus
+        floor = np.zeros((len(mix), len(before)))  # of contacts that open, the least impulses
+        floor[:, :n] = np.where(closed[some], 0.0, least)
+        offset = (mix @ floor[..., None])[..., 0] @ delassus
         regular, values = solve_stack(delassus, mix, used[some], goals - offset, REGULAR)
         after = before + offset[regular] + (mix[regular] @ values[..., None])[..., 0] @ delassus
-        values[:, :n] += given[regular, :n]
+        values[:, :n] += floor[regular, :n]
         normal, friction, limit = values[:, :n], values[:, n : 2 * n], CLEARLY * small
         shut, slips, turns = closed[some][regular], signs[some][regular], senses[some][regular]
         violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < least - limit))

@@ -111,10 +111,10 @@ def until_meeting(
     corrected by Newton's method. `integrate` (t, y, end, rtol); `state_of`: the plates' state at a segment's end."""
     result, time = segment.cut(meeting.time, None), meeting.time
     for _ in range(CORRECTIONS if segment.ends_in_steps() else 0):
-        stepped = segment.stepped_to(time, lambda t, y, end: integrate(t, y, end, rtol))
-        if stepped is None:
+        again = segment.step_to(time, lambda t, y, end: integrate(t, y, end, rtol))
+        if again is None:
             break
-        result, state = stepped, state_of(stepped)
+        result, state = again, state_of(again)
         at = place(meeting.pair, state, (meeting.xi1, meeting.xi2))
         closing = float(at.lift_row @ np.array(state[len(state) // 2 :]))
         change = -at.gap / closing if closing < 0.0 else 0.0

@@ -123,7 +123,7 @@ class ContactPlace(NamedTuple):
     def without_slip(self) -> Mode:
         """The mode of the contact without slip: of a plate that cannot turn on what is fixed it is a rest."""
         couple = couple_of(self.pair)
-        rests = not (couple.plate.turns or couple.plate.is_turned) and couple.base is None
+        rests = not (couple.plate.turns or couple.plate.spins_by_load) and couple.base is None
         return Mode.REST if rests else Mode.ROLL
 
     @property
@@ -192,7 +192,7 @@ def anchors_of(
     as the plate has freedoms. A belt moves a plate that sticks to it."""
     some, anchors = bodies(case), set[int]()
     plates = plates_of(case)
-    still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any() and not plates[b].is_turned}
+    still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any() and not plates[b].spins_by_load}
     for _ in still:
         for body in still - anchors:
             own = slice(3 * body, 3 * body + 3)

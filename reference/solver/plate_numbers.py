@@ -46,7 +46,7 @@ def bodies(case: Case) -> Bodies:
     reaches = tuple(float(plate.reach if plate.radius is None else plate.radius) for plate in plates)
     inverse = np.array([value for p in plates for value in (1.0 / p.mass, 1.0 / p.mass, 1.0 / p.inertia)])
     masses = np.divide(1.0, inverse, out=np.zeros(len(inverse)), where=inverse > 0.0)
-    per_load = inverse + [value for p in plates for value in (0.0, 0.0, float(p.is_turned))]
+    per_load = inverse + [value for p in plates for value in (0.0, 0.0, float(p.spins_by_load))]
     return Bodies(reaches, inverse, masses, np.array([v for r in reaches for v in (1.0, 1.0, r)]), per_load)
 
 

@@ -188,7 +188,7 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     idle = tuple(name for name, _ in regime.slack)
     loads = loads_of(case)
     further = tuple(
-        applied_load(load.expression, f"load{b}", plates[b].is_turned) if load is not None else None
+        applied_load(load.expression, f"load{b}", plates[b].spins_by_load) if load is not None else None
         for b, load in enumerate(loads[1:], 1)
     )
     for form_of_load, load in zip(further, loads[1:], strict=True):

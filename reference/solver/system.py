@@ -103,8 +103,8 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
         return tuple(substitute(expressions, dict(zip(_MOTION[1:], own, strict=True))))
 
     fx, fy, moment = of_plate(0, law.torsor)
-    turned = [load.forces[2] for load in law.loads if isinstance(load, AppliedLoad) and load.is_of_turned]
-    result = {(0, 0): fx, (0, 1): fy, (0, 2): turned[0] if turned else moment * MASS * _inverse((0, 2))}
+    own_spin = [load.forces[2] for load in law.loads if isinstance(load, AppliedLoad) and load.gives_spin]
+    result = {(0, 0): fx, (0, 1): fy, (0, 2): own_spin[0] if own_spin else moment * MASS * _inverse((0, 2))}
     gx, gy, _ = law.torsor_of_all
     quantities = [of_plate(0, law.checked_quantities)]
     for body in range(1, count):
@@ -112,7 +112,7 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
         load = further[body - 1] if further else None
         if load is not None:
             for c, force in enumerate(of_plate(body, load.forces)):
-                turns = c == 2 and load.is_of_turned
+                turns = c == 2 and load.gives_spin
                 result[body, c] = result[body, c] + (force if turns else force * _inverse((body, c)))
             quantities.append(of_plate(body, load.checked_quantities))
     arguments, forces = zip(*((some[:-LOAD_FORCES], some[-LOAD_FORCES:]) for some in quantities), strict=True)

@@ -15,7 +15,7 @@ from cases.scene.contact_limits import has_features, touches_by_features
 from cases.scene.contact_names import contact_name
 from cases.scene.contact_pairs import WatchedPair, pairs, pairs_in_pose
 from cases.scene.couples import couples
-from cases.scene.limits import has_turned_plate, without_certificate
+from cases.scene.limits import has_spinning_plate, without_certificate
 from cases.scene.piece_case import PieceCase, has_pieces, pieces_at
 
 from .contacts import is_watched_always, on_whole_curves, pair_at
@@ -43,7 +43,7 @@ class Prediction(NamedTuple):
 def predict(case: Case, rtol: float = 1e-13) -> Prediction:
     """The motion of a case by the second formulation. Raises NotSupported for what it does not have, and
     FloatingPointError if it starts and cannot continue."""
-    if (case.others or has_turned_plate(case)) and (reason := without_certificate(case)):
+    if (case.others or has_spinning_plate(case)) and (reason := without_certificate(case)):
         raise NotSupported(reason)
     drive, case = case.effect(Drive), relative_case(case)
     begin = start_motion(case)

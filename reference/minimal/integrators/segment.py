@@ -106,7 +106,7 @@ class Segment:
         """Whether a step's end is more accurate than its inside: not where steps are Taylor polynomials."""
         return hasattr(self.states, "pieces")
 
-    def stepped_to(self, time: float, integrate: Callable[[float, Sequence[float], float], Segment]) -> Segment | None:
+    def step_to(self, time: float, integrate: Callable[[float, Sequence[float], float], Segment]) -> Segment | None:
         """The same motion until a time (s), which is the end of a step: the last one is made again by `integrate`
         (t, y, end). None if that does not reach the time."""
         times, states = self.times[self.times < time], cast(Any, self.states)
