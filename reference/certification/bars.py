@@ -162,7 +162,8 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     state = witness.states(times)
     place = float(np.max(np.hypot(state["x"], state["y"])))
     angle, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
-    if case.others or touches_by_features(case):  # the contact's parameters are those of any support
+    assert witness.motion is not None
+    if case.others or touches_by_features(case) or len(witness.motion.contact_names) > 1:  # parameters of any contact
         sizes = {"slip": slip + reach * omega, "omega": omega}
         return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle} | sizes | _terms_of_others(case, state)
     for xi1, xi2, v, w in zip(*(state[q] for q in ("xi1", "xi2", "slip", "omega")), strict=True):

@@ -12,13 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Flight, NotSupported, Trajectory, Transition
+from cases import Case, NotSupported, Trajectory, Transition
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.scene.contact_limits import is_general_case, touches_by_features
 
 from .. import solve
 from ..minimal.integrators import taylor
-from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
+from ..minimal.modes import Phase
 from ..time_limit import OutOfTime, cpu_limit
 
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
@@ -144,14 +143,9 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
 
 
 def components(case: Case) -> int:
-    """The largest number of state components in any phase of the case."""
-    case = relative_case(case)
-    if is_general_case(case) or touches_by_features(case):
-        segments, *_ = solve.solve_motion(case, 1e-10, solve.INTEGRATORS["dop853"][1])
-        return max(len(segment.event.state) for segment in segments)
-    regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
-    here, start = start_pieces(case), start_state(case)
-    return max(len(phase_at(here, regime, start).system.variables) for regime in regimes)
+    """The largest number of state components in any phase of the case's motion."""
+    segments, *_ = solve.solve_motion(relative_case(case), 1e-10, solve.INTEGRATORS["dop853"][1])
+    return max((len(segment.event.state) for segment in segments), default=0)
 
 
 def perturb(case: Case, component: int, roundings: float, method: str) -> Witness:
