@@ -120,10 +120,10 @@ class Impulse:
 
     def force(self, ways: Sequence[int]) -> np.ndarray:
         """The force per normal impulse for senses of slip and rotation (±1), of which those that are 0 are kept."""
-        held = [i for i, way in enumerate(ways, 1) if way == 0]
+        still = [i for i, way in enumerate(ways, 1) if way == 0]
         force = np.array([1.0, *(-way * law[0] if way else 0.0 for way, law in zip(ways, self.laws, strict=True))])
-        if held:
-            force[held] = -np.linalg.solve(self.delassus[np.ix_(held, held)], self.delassus[held] @ force)
+        if still:
+            force[still] = -np.linalg.solve(self.delassus[np.ix_(still, still)], self.delassus[still] @ force)
         return force
 
 

@@ -150,8 +150,8 @@ def test_loads_in_the_tracks_frame_are_those_of_a_motion_that_is_turned_into_it(
         there = [complex(sp.N(e.diff(t, n).subs(t, when), 30)) for e in (seen, angle) for n in (0, 1, 2)]
         state = (there[0].real, there[0].imag, there[3].real, there[1].real, there[1].imag, there[4].real)
         found = load.at(when, *state)
-        turned = miss * np.exp(-1j * complex(sp.N(alpha.subs(t, when))))
-        assert there[2] - turned == pytest.approx(complex(found[0], found[1]) / M, abs=1e-12)
+        there_miss = miss * np.exp(-1j * complex(sp.N(alpha.subs(t, when))))
+        assert there[2] - there_miss == pytest.approx(complex(found[0], found[1]) / M, abs=1e-12)
         inertia = case.plate.inertia
         assert there[5] - (swing - force[2] / inertia) == pytest.approx(found[2] / inertia, abs=1e-12)
 

@@ -13,7 +13,7 @@ import reference
 from cases import CoulombFriction
 from reference.minimal.integrators import taylor
 from tests.scenes.planted_faults import CIRCLE, ESCAPES, FAMILIES, FAULTS, MUTATIONS, distance
-from tests.scenes.planted_motions import altered, scene, simulate
+from tests.scenes.planted_motions import alter, scene, simulate
 
 # The Taylor method's motions are exact to roundings, which is what the faults of a billionth need.
 pytestmark = pytest.mark.taylor
@@ -39,7 +39,7 @@ def test_few_faults_escape():
 def test_a_broken_law_of_friction_has_its_size_in_units_of_it():
     """A friction that is 3 % larger breaks Coulomb's law by 0.03 μ N."""
     case = CIRCLE()
-    first = reference.check(case, scene(altered(CoulombFriction, mu=0.206))(case), 0.0)
+    first = reference.check(case, scene(alter(CoulombFriction, mu=0.206))(case), 0.0)
     law = next(one for one in first if one.law == "Coulomb's law in slip")
     assert law.part_of_friction == pytest.approx(0.03, abs=1e-9)
 

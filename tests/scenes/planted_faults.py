@@ -36,7 +36,7 @@ from tests.scenes.moving import Adhesion
 from tests.scenes.planted_motions import (
     MORE,
     Fault,
-    altered,
+    alter,
     catalogue,
     ends,
     instead,
@@ -79,16 +79,16 @@ def _supports(change: planted.Change) -> planted.Change:
     return lambda case: replace(case, supports=change(case).supports)
 
 
-MORE_FRICTION = altered(CoulombFriction, mu=more, mu_static=more)
+MORE_FRICTION = alter(CoulombFriction, mu=more, mu_static=more)
 
 # Data of the case that are off, most of them by a billionth, and loads and ripples that are stepped over: the scene
 # and what is changed.
 DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "friction a billionth larger": (CIRCLE, MORE_FRICTION),
-    "friction a trillionth larger": (CIRCLE, altered(CoulombFriction, mu=lambda mu: mu * (1 + 1e-12))),
-    "static friction a billionth larger": (CIRCLE, altered(CoulombFriction, mu_static=0.2 * MORE)),
-    "gravity a billionth stronger": (CIRCLE, altered(Gravity, g=more)),
-    "gravity turned by a billionth": (CIRCLE, altered(Gravity, direction=plus(-1e-9))),
+    "friction a trillionth larger": (CIRCLE, alter(CoulombFriction, mu=lambda mu: mu * (1 + 1e-12))),
+    "static friction a billionth larger": (CIRCLE, alter(CoulombFriction, mu_static=0.2 * MORE)),
+    "gravity a billionth stronger": (CIRCLE, alter(Gravity, g=more)),
+    "gravity turned by a billionth": (CIRCLE, alter(Gravity, direction=plus(-1e-9))),
     "inertia a billionth larger": (CIRCLE, planted.with_part("plate", inertia=more)),
     "mass a billionth larger, in forces alone": (CIRCLE, planted.with_part("plate", mass=more, inertia=more)),
     "disc a billionth larger": (CIRCLE, planted.with_part("plate", outline=disc(0.1 * MORE, 1.0).outline)),
@@ -102,13 +102,13 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "belt a billionth faster": (
         catalogue("disc_on_conveyor"), lambda c: instead(Belt(c.effect(Belt).constant * MORE))(c)
     ),
-    "restitution a millionth off": (BOUNCE, altered(Impact, restitution=plus(1e-6))),
-    "restitution 1e-10 off": (BOUNCE, altered(Impact, restitution=plus(1e-10))),
-    "another law of impact": (ELLIPSE, altered(Impact, law="moreau")),
+    "restitution a millionth off": (BOUNCE, alter(Impact, restitution=plus(1e-6))),
+    "restitution 1e-10 off": (BOUNCE, alter(Impact, restitution=plus(1e-10))),
+    "another law of impact": (ELLIPSE, alter(Impact, law="moreau")),
     "friction in an impact a billionth larger": (ELLIPSE, MORE_FRICTION),
-    "static friction ignored": (catalogue("block_on_conveyor"), altered(CoulombFriction, mu_static=None)),
+    "static friction ignored": (catalogue("block_on_conveyor"), alter(CoulombFriction, mu_static=None)),
     "friction by the slip speed a billionth larger": (catalogue("stribeck_disc"), MORE_FRICTION),
-    "rolling resistance a billionth larger": (ROLLS, altered(RollingResistance, arm=more)),
+    "rolling resistance a billionth larger": (ROLLS, alter(RollingResistance, arm=more)),
     "rolling resistance missing": (ROLLS, without(RollingResistance)),
     "load a billionth larger": (WAVE, instead(Load(fx=f"{3 * MORE!r}*sin(5*t)"))),
     "load a nanosecond late": (WAVE, instead(Load(fx="3*sin(5*(t-1e-9))"))),
@@ -118,8 +118,8 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "mass of the other plate a billionth larger": (FREE, _heavier_other),
     "friction at the ladder's wall a billionth larger": (LADDER, _supports(MORE_FRICTION)),
     "friction of a box a billionth larger": (BOX, MORE_FRICTION),
-    "gravity on a pile a billionth stronger": (catalogue("pile_of_discs"), altered(Gravity, g=more)),
-    "restitution of a rocking block a millionth": (catalogue("rocking_block"), altered(Impact, restitution=plus(1e-6))),
+    "gravity on a pile a billionth stronger": (catalogue("pile_of_discs"), alter(Gravity, g=more)),
+    "restitution of a rocking block a millionth": (catalogue("rocking_block"), alter(Impact, restitution=plus(1e-6))),
     # loads and ripples that are stepped over
     **{
         f"bump of a load {where} stepped over": (planted.loaded(fx=f"{size}*exp(-(({at})/{wide})**2)"), without(Load))
@@ -135,7 +135,7 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "ripple of a micrometre on the track ignored": (planted.rolled_over, planted.flat),
     "second contact with a hump missed": (planted.hump, planted.flat),
     "support passed through": (planted.at_wall, lambda c: replace(c, supports=())),
-    "sticks where it must reverse": (catalogue("disc_in_circle", mu=0.1), altered(CoulombFriction, mu_static=5.0)),
+    "sticks where it must reverse": (catalogue("disc_in_circle", mu=0.1), alter(CoulombFriction, mu_static=5.0)),
     # impacts
     "an impact without friction": (catalogue("thrown_with_spin", backspin=2), instead(CoulombFriction(1e-12))),
     "an impact that slips where it sticks": (INCLINE, instead(CoulombFriction(0.1))),
@@ -143,7 +143,7 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
         catalogue("disc_between_belt_and_wall"),
         lambda c: replace(c, supports=tuple(replace(one, effects=()) for one in c.supports)),
     ),
-    "begins with static friction": (planted.on_slope(0.2, -0.3), altered(CoulombFriction, mu_static=0.4)),
+    "begins with static friction": (planted.on_slope(0.2, -0.3), alter(CoulombFriction, mu_static=0.4)),
 }  # fmt: skip
 
 FAULTS = {name: Fault(of, scene(change)) for name, (of, change) in DATA.items()} | {
@@ -247,10 +247,10 @@ ESCAPES = {
 # Changes of a scene's data.
 MUTATIONS: dict[str, planted.Change] = {
     "friction": MORE_FRICTION,
-    "gravity": altered(Gravity, g=more),
+    "gravity": alter(Gravity, g=more),
     "inertia": planted.with_part("plate", inertia=more),
-    "restitution": altered(Impact, restitution=lambda e: min(1.0, e + 1e-9)),
-    "no friction": lambda case: case if case.effect(Belt) else altered(CoulombFriction, mu=1e-12, mu_static=None)(case),
+    "restitution": alter(Impact, restitution=lambda e: min(1.0, e + 1e-9)),
+    "no friction": lambda case: case if case.effect(Belt) else alter(CoulombFriction, mu=1e-12, mu_static=None)(case),
 }
 
 

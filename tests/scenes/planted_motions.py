@@ -178,17 +178,17 @@ def instead(effect: Any) -> Change:
     return lambda case: with_effects(case, lambda own: effect if isinstance(own, type(effect)) else own)
 
 
-def altered(kind: type, **changes: Any) -> Change:
+def alter(kind: type, **changes: Any) -> Change:
     """The scene with other values in its effects of a kind: functions of the own ones, or themselves."""
-    return lambda case: with_effects(case, lambda own: _altered(own, changes) if isinstance(own, kind) else own)
+    return lambda case: with_effects(case, lambda own: _alter(own, changes) if isinstance(own, kind) else own)
 
 
 def with_part(name: str, **changes: Any) -> Change:
     """The scene with other values in its `plate` or `start`: functions of the own ones, or themselves."""
-    return lambda case: replace(case, **{name: _altered(getattr(case, name), changes)})
+    return lambda case: replace(case, **{name: _alter(getattr(case, name), changes)})
 
 
-def _altered(own: Any, changes: dict[str, Any]) -> Any:
+def _alter(own: Any, changes: dict[str, Any]) -> Any:
     return replace(own, **{n: change(getattr(own, n)) if callable(change) else change for n, change in changes.items()})
 
 
