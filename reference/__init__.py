@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
+    from .impulses import ContactImpulse, impacts
     from .laws_check.broken_laws import BrokenLaw
     from .laws_check.full_check import check
-    from .laws_check.impacts import ContactImpulse, impacts
     from .proofs.prover import prove
     from .solve import METHODS, simulate
     from .sweeping import sweep, sweep_chunks
@@ -29,7 +29,7 @@ _MODULE_OF = {
     "certify": "certification.certificate",
     "BrokenLaw": "laws_check.broken_laws",
     "check": "laws_check.full_check",
-    **dict.fromkeys(("ContactImpulse", "impacts"), "laws_check.impacts"),
+    **dict.fromkeys(("ContactImpulse", "impacts"), "impulses"),
     "prove": "proofs.prover",
     **dict.fromkeys(("METHODS", "simulate"), "solve"),
     **dict.fromkeys(("sweep", "sweep_chunks"), "sweeping"),

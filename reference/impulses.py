@@ -9,11 +9,11 @@ import numpy as np
 from cases import BadValue, Case, Trajectory
 from cases.moving_frame import in_track_frame, relative_case
 
-from . import laws
-from .impact_check import groups_of, places_of_impact
-from .samples import of_motion, steps_of
-from .tolerances import POSE
-from .touches import masses, plates_at
+from .laws_check import laws
+from .laws_check.impact_check import groups_of, places_of_impact
+from .laws_check.samples import of_motion, steps_of
+from .laws_check.tolerances import POSE
+from .laws_check.touches import masses, plates_at
 
 # Impulses whose combination changes no velocity by more than this part of the largest are not unique.
 NOT_UNIQUE = 1e-9
