@@ -50,7 +50,7 @@ class Magnet(ContactEffect):
         return ContactForce(across=-self.pull)
 
 
-def drawn(seed: int) -> Case:
+def first_scene(seed: int) -> Case:
     """The first scene of a seed that begins where it can; raises CaseError where none does."""
     for attempt in range(ATTEMPTS - 1):
         try:

@@ -166,10 +166,10 @@ def test_load_acts_in_flight_and_brings_the_plate_down_at_its_own_time():
 def test_bilateral_guide_carries_a_bead_over_the_top_where_the_unilateral_one_lets_go():
     # Without friction v² = v₀² − 2 g L (1 + sin ξ₁). It goes over the top from 4 g L on; N ≥ 0 there asks for 5 g L.
     L, start = 0.9, Start(-pi / 2, slip=sqrt(4.5 * G * 0.9))
-    released, guided = (solve(Case(circle(1.0), disc(0.1, 1.0), e, start, 1.5)) for e in (GRIP, GRIP[:1]))
+    free, guide = (solve(Case(circle(1.0), disc(0.1, 1.0), e, start, 1.5)) for e in (GRIP, GRIP[:1]))
     # N = m (v²/L − g sin ξ₁) vanishes at sin ξ₁ = 2.5/3.
-    assert [t.after for t in released.transitions] == [Mode.FLIGHT]
-    assert sin(released.transitions[0].xi1) == pytest.approx(2.5 / 3, abs=TIGHT)
-    now = guided(np.linspace(0, 1.5, 7))
-    assert guided.status == "completed" and not guided.transitions and now.xi1[-1] > pi / 2 + 0.1
+    assert [t.after for t in free.transitions] == [Mode.FLIGHT]
+    assert sin(free.transitions[0].xi1) == pytest.approx(2.5 / 3, abs=TIGHT)
+    now = guide(np.linspace(0, 1.5, 7))
+    assert guide.status == "completed" and not guide.transitions and now.xi1[-1] > pi / 2 + 0.1
     assert now.vx**2 + now.vy**2 == pytest.approx(4.5 * G * L - 2 * G * L * (1 + np.sin(now.xi1)), abs=1e-11)

@@ -41,7 +41,7 @@ from reports.running.external_motions import judge_motion, of_table
 from reports.running.records import Run, Truth
 from reports.running.tasks import find_truth, judge, perform, survey
 from reports.running.true_motions import true_motion
-from tests.composition.build import drawn
+from tests.composition.build import first_scene
 from tests.scenes import hard, lifted_plates, loads, ripples, slip_laws, ties, walled_plates
 
 # Samples per second of exports: of a film, of a game, of an engine.
@@ -73,7 +73,7 @@ TOO_FEW = ("give at least", "give more samples", "too few for a slope")
 
 def of_one_plate(seed: int) -> Case:
     """A drawn scene of one plate: files of several plates have contacts of some shapes only."""
-    return next(case for case in map(drawn, count(10 * seed)) if not case.others)
+    return next(case for case in map(first_scene, count(10 * seed)) if not case.others)
 
 
 # By kind a scene from its seed.

@@ -29,7 +29,7 @@ from cases import (
     Unilateral,
     disc,
 )
-from tests.composition.build import drawn
+from tests.composition.build import first_scene
 from tests.scenes import loads, slip_laws
 from tests.scenes import planted_motions as planted
 from tests.scenes.moving import Adhesion
@@ -234,8 +234,8 @@ FAULTS = {name: Fault(of, scene(change)) for name, (of, change) in DATA.items()}
 FAMILIES: dict[str, Callable[[int], Case]] = {
     "loads": lambda seed: loads.scene(np.random.default_rng(seed))[0],
     "friction by the slip speed": lambda seed: slip_laws.random_scene(np.random.default_rng(seed)),
-    "all features": drawn,
-    "all features, others": lambda seed: drawn(seed + 100),
+    "all features": first_scene,
+    "all features, others": lambda seed: first_scene(seed + 100),
 }
 
 # What the check does not see, with the reason.
