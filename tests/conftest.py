@@ -145,7 +145,8 @@ def accuracy(request) -> Callable[..., None]:
 
     def check(*, case: str, solver: str, route: str, quantity: str, error: float, tolerance: float) -> None:
         # User properties travel with the test report, also from the workers of pytest-xdist.
-        request.node.user_properties.append(("accuracy", (case, solver, route, quantity, float(error), tolerance)))
+        row = (case, solver, route, quantity, float(error), float(tolerance))
+        request.node.user_properties.append(("accuracy", row))
         assert abs(error) <= tolerance, (
             f"{case}, {solver}/{route}: {quantity} is off by {error:.3g}, allowed {tolerance:.3g}"
         )
