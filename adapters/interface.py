@@ -59,6 +59,7 @@ Optional:
     refuses_several_contacts(case, route) -> str | None
                                                     why such a route does not report the contacts of this case, in one
                                                     sentence, or None
+    EVERY_SCENE: tuple[str, ...]                    the routes that support whatever a case may have: what follows
     SEVERAL_PLATES: tuple[str, ...]                 the routes that support further plates (`Case.others`);
     FREE_POLYGONS: tuple[str, ...]                  those of them that support a polygon among the plates
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
@@ -151,8 +152,9 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
+    has_every = route in getattr(adapter, "EVERY_SCENE", ())
     for is_there, declaration, what in _needs(case):
-        if is_there and route not in getattr(adapter, declaration, ()):
+        if is_there and not has_every and route not in getattr(adapter, declaration, ()):
             return f"The {route} route does not support {what}."
     return adapter.refuses(case, route)
 

@@ -18,8 +18,7 @@ routes = solve.ROUTES
 SLIP_LAWS = routes
 # The paper's matrix is for one contact.
 SEVERAL_CONTACTS = tuple(route for route in routes if route != "augmented")
-SUPPORTS = BELTS_AND_SUPPORTS = FIXED_ROTATION_AND_SUPPORTS = DRIVEN_CONTACTS = CORNERS = SEVERAL_CONTACTS
-SEVERAL_PLATES = FREE_POLYGONS = SEVERAL_CONTACTS
+EVERY_SCENE = DRIVEN_CONTACTS = SEVERAL_CONTACTS
 OWN_EFFECTS = (ContactEffect,)
 
 # From a coarse tolerance to the limit of double precision.

@@ -75,9 +75,10 @@ def check(seed: int) -> None:
     case, time, contacts = lifted_plate(seed)
     status = "completed" if case.effect(Flight) else "lift_off"
     motion, second = reference.simulate(case, rtol=1e-12, method="dop853"), _by_second(case, "second", 1e-13)
-    for one in (motion, second):
+    # The second formulation predicts times to about 1e-9 s.
+    for one, accuracy in ((motion, {"rel": 1e-10}), (second, {"rel": 0.0, "abs": 1e-9})):
         assert one.status == status, (seed, one)
-        assert flights(one.transitions) == pytest.approx([time] * contacts, rel=1e-10), seed
+        assert flights(one.transitions) == pytest.approx([time] * contacts, **accuracy), seed
 
 
 # The first ten, and two boxes that had no mode.

@@ -66,7 +66,9 @@ SMALL_OPENINGS = (
 )
 # So is, at 1 kHz, a polygon that hops to rest, ever lower; a disc next to a wall before it touches it; and a plate that
 # lands within 5 µm and then has ended. Kinds of which a scene among the first is known to be one.
-LOW_FLIGHTS = ("ripples",)
+# Of a box on a chain of pieces (drawn scene 0) contacts read from poses have other names than the truth's: a fault
+# of the reading, which `compare` does not have, as it reads the truth's samples alike.
+LOW_FLIGHTS = ("ripples", "all features")
 # The sentence for a file with too few samples.
 TOO_FEW = ("give at least", "give more samples", "too few for a slope")
 

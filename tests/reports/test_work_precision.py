@@ -306,11 +306,7 @@ def test_first_sentence_says_who_is_cheaper_by_what_once_and_a_thousand_times():
     # 0.35 s more from cold, 0.099 s less a run: after 3.5 further runs.
     assert "The reference is faster there from 5 runs on." in said.rest
     assert {row["break_even_runs"] for row in answers} == {5.0}
-    assert (
-        "For the first run within 1 %, an engine is faster in 1 of 1 cases: disc_on_line[mu=0.1] (a r, 8 ×)."
-        in said.rest
-    )
-    assert "For 1,000 runs within 1 %, an engine is faster in 0 of 1 cases." in said.rest
+    assert "an engine is faster in" not in said.rest  # of one case the first sentence says it
 
 
 def test_first_sentence_changes_sides_where_an_engine_is_cheaper():
