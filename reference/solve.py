@@ -29,6 +29,7 @@ from cases.scene.piece_case import PieceCase, has_pieces
 
 from . import augmented_integrator, solver
 from .endings import BREAKDOWN, LIFT_OFF, undecidable
+from .minimal.contact_end import SMOOTH
 from .minimal.decision import Undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment
@@ -128,6 +129,9 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise NotSupported("the method 'augmented' has one contact; leave method out, or give 'dop853'")
     if method == "augmented" and has_pieces(case):
         raise NotSupported("the method 'augmented' does not integrate over corners; leave method out, or give 'dop853'")
+    curves = case.track.parts, case.plate.outline.parts
+    if method == "augmented" and any(parts and parts.order < SMOOTH for parts in curves):
+        raise NotSupported("the method 'augmented' takes no jumps of curvature; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
         return _simulate(case, rtol, method)

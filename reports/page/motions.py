@@ -19,7 +19,7 @@ import numpy as np
 
 import cases
 from cases import Case, Curve, Mode
-from cases.pictures.layout import along_line, support_parameters, visible
+from cases.pictures.layout import Instant, along_line, drawn_angle, support_parameters, visible
 from cases.scene.supports import TRACK, base_of
 
 from ..drawing.figures import is_stuck
@@ -57,6 +57,11 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         further = np.array([samples["x"], samples["y"]])
         path, xi1 = np.hstack([path, further]), np.concatenate([xi1, along_line(case.track, further)])
     supports = support_parameters(case.scene, path)
+    columns = {name: _at(times, truth.samples, name) for name in TRUE}
+    if case.scene.block:
+        poses = np.array([columns[name] for name in ("x", "y", "theta", "xi1")]).T.tolist()
+        instants = (Instant(x, y, theta, xi1, 1.0) for x, y, theta, xi1 in poses)
+        columns["theta"] = np.array([drawn_angle(case.scene, one) for one in instants])
     return {
         "label": case.label,
         "down": case.scene.down,
@@ -68,7 +73,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "track": _curve(case.track, visible(case.scene, path, xi1)),
         "supports": [{"name": s.name} | _curve(s.curve, supports[s.name]) for s in case.supports],
         "outline": pack(case.scene.corners()),
-        "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
+        "truth": pack(np.array([*columns.values()])),
         "contacts": [
             {
                 "name": name,
@@ -80,7 +85,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         ],
         "plates": [
             {
-                "outline": pack(case.scene._replace(outline=other.plate.outline).corners()),
+                "outline": pack(case.scene.of(other.plate).corners()),
                 "data": pack(np.array([_at(times, truth.plate_samples[other.name], q) for q in ("x", "y", "theta")])),
             }
             for other in case.others
