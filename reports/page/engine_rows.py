@@ -76,13 +76,18 @@ def _cells(row: Mapping[str, Any], scenes: Sequence[verdict.SceneOffs]) -> dict[
     many = sum(off > LIMITS[Grade.ROUGH] for off in usual)
     far = f"more than {percent(LIMITS[Grade.ROUGH])} in {many} of {len(usual)} scenes" if usual else ""
     return {
-        "default settings": (f"{_median(usual)} off", far),
+        "default settings": (f"{_median(usual)} off" if usual else "–", far),
         "finest settings": (_median([one.finest.off for one in scenes]), ""),
         "scenes it runs": (verdict_text.cells(row)["answers"], f"{verdict_text.confirmed(row, 'good')} within 1 %"),
-        f"the {row['common_cases']} scenes that all run": (
+        f"the {scenes_of(row['common_cases'])} that all run": (
             f"{off_text(row['common_default_off'])} default", f"{off_text(row['common_finest_off'])} finest",
-        ),
+        ) if usual else ("–", ""),
     }  # fmt: skip
+
+
+def scenes_of(count: int) -> str:
+    """A number of scenes, in words after "the"."""
+    return "scene" if count == 1 else f"{count} scenes"
 
 
 def _settings(group: Sequence[Run]) -> tuple[Run | None, Run | None]:
