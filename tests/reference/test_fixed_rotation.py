@@ -27,6 +27,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, cosine, line
+from reference.certification.certificate import NotCertified
 from reference.paper.augmented import fill
 from tests.scenes.moving import EXACT, METHODS, G
 
@@ -192,7 +193,10 @@ def test_a_box_that_does_not_turn_falls_on_a_table_that_tilts_away(method):
 def test_rolling_without_turning_on_a_table_that_swings_has_no_second_formulation():
     case = on_table(CoulombFriction(0.3), angle="0.1*sin(5*t)", duration=0.5)
     assert reference.check(case, reference.simulate(case)) == ()
-    certificate = reference.certify(case)
-    assert any("a plate of infinite inertia is on a track that turns" in text for text in certificate.missing)
+    try:
+        missing = reference.certify(case).missing
+    except NotCertified as problem:  # without heyoka it would have been the second witness
+        missing = (str(problem),)
+    assert any("a plate of infinite inertia is on a track that turns" in text for text in missing)
     with pytest.raises(NotSupported, match="one contact"):
         reference.simulate(case, method="augmented")
