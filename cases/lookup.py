@@ -10,7 +10,6 @@ A file of cases is Python code that is executed: use this only for input that th
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -19,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from . import registry
 from .errors import BadValue, CaseError, UnknownName, describe, unknown_name
 from .files import user_files
-from .files.trial import trial
 
 if TYPE_CHECKING:
     from .scene.case_class import Case
@@ -118,6 +116,8 @@ def _try(what: str, name: str, make: Callable[[], T]) -> T:
 
 def _make(what: str, file: Path, make: Callable[[], T]) -> T:
     """The result of `make`, with a trial run first; raises BadValue with the line of the author's file."""
+    from .files.trial import trial  # of files alone: importing it takes a fifth of what `import cases` does
+
     trial(what, make, explain=lambda problem: _sentence(file, problem))
     try:
         return make()
@@ -143,6 +143,8 @@ def _file(text: str) -> Path | None:
 
 def _place(file: Path, problem: BaseException) -> str:
     """path:line of the innermost frame of a problem in the author's file, or the path alone."""
+    import traceback  # of errors alone
+
     causes: list[BaseException] = [problem]
     while causes[-1].__cause__:
         causes.append(causes[-1].__cause__)

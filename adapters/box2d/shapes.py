@@ -113,13 +113,13 @@ def restitutions(case: Case) -> list[tuple[float, float]]:
 def add_fixed(case: Case, body: pyb2d3.Body, scale: float, count: int) -> None:
     """Add the track and each further support: a circle, a segment of a chain, or a chain whose corners the engine
     smooths; the longest one has `count` segments."""
-    beside = bool(case.supports or case.others)
+    has_more = bool(case.supports or case.others)
     curves = [(case.track, case), *zip((s.curve for s in case.supports), _own_cases(case), strict=True)]
     for curve, own in curves:
         line, circle, surface = as_line(curve), as_circle(curve), belt_material(own, scale)
-        if beside:
+        if has_more:
             surface = _against_plate(case, surface)
-        if line and beside:
+        if line and has_more:
             _add_line(body, facets.ends(case, line), surface, scale)
         elif circle and facets.is_round_hill(curve):
             _add_circle(body, circle, surface, scale)

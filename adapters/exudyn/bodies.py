@@ -74,7 +74,7 @@ def ground(system, point: Sequence[float] | np.ndarray) -> int:
 
 def surface(system, curve: Curve, acting: HasEffects, mass: float) -> int:
     """Add a marker of the body that carries a line or a circle, at the origin or at the circle's centre: the ground, or
-    a body that is heavy beside a plate of that mass (kg) and moves as the belt that acts there."""
+    a body much heavier than a plate of that mass (kg), which moves as the belt that acts there."""
     line, circle, belt = as_line(curve), as_circle(curve), acting.effect(Belt)
     place = circle.centre if circle else np.zeros(2)
     if belt is None:

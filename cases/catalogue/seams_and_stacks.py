@@ -145,7 +145,7 @@ def rebound_with_spin(e=0.8, mu=0.3, v=2.0, backspin=2.0, height=1.0, r=0.1, m=1
 def box_off_conveyor(speed=1.0, mu=0.4, slope=0.3, width=0.2, height=0.1, m=1.0, g=9.81, duration=1.2):
     """A box rides a conveyor to its end and slides down the chute behind it.
 
-    Why: a conveyor's hand-over: a surface that runs beside one that does not, and a side that tips over an edge.
+    Why: a conveyor's hand-over: a surface that runs next to one that does not, and a side that tips over an edge.
     Source: posed here.
     Known exactly: it reaches the belt's speed after speed/(μ g), and tips when its centre has passed the end.
     """
