@@ -113,14 +113,15 @@ def _guesses(pair: PieceCase, x: float, y: float, theta: float) -> list[tuple[fl
 
 def name_of(pair: PieceCase, used: set[str]) -> str:
     """The name of a contact that begins: that of its couple, further ones numbered from 2. The corners of a plate among
-    several on a straight line without ends have the numbers of their order in the outline."""
+    several on a straight line without ends have the numbers of their order in the outline, where these are free: a
+    contact that came from an arc to a corner keeps its name."""
     couple = cast(Couple, pair.whole)
     outline, track = couple.plate.outline, couple.track
     if couple.whole.others and isinstance(outline, Chain) and is_straight(track):
         corners = [element.number for element in outline.elements if isinstance(element.piece, Corner)]
         number = pair.second.number % len(outline.elements)
-        if number in corners:
-            return _numbered(couple.pair_name, corners.index(number) + 1)
+        if number in corners and (name := _numbered(couple.pair_name, corners.index(number) + 1)) not in used:
+            return name
     return next(name for i in range(1, len(used) + 2) if (name := _numbered(couple.pair_name, i)) not in used)
 
 

@@ -1,5 +1,6 @@
 """Plates of arcs and edges on a flat side and on their arcs: closed forms and quadratures, and both formulations."""
 
+from dataclasses import replace
 from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
@@ -11,13 +12,16 @@ from cases import (
     Case,
     CoulombFriction,
     Flight,
+    FreePlate,
     Gravity,
     Impact,
     Outline,
     PerfectlyRough,
     Plate,
+    Start,
     StartPose,
     Unilateral,
+    disc,
     library,
 )
 from cases.contact.outline_features import arc_ranges, features
@@ -148,3 +152,15 @@ def test_the_same_circle_in_two_arcs_is_compared_once():
     case = on(0.0, plate, *INELASTIC, start=StartPose(0.0, 0.5, 0.3))
     facing = [pair for pair in pairs(case) if pair.arc_range and not pair.is_away(pair.guess(0.0, 0.5, 0.3)[1])]
     assert len(facing) == 1
+
+
+def test_a_plate_far_away_changes_no_motion_of_a_half_disc():
+    """It rocks from its arc over a corner onto its side and bounces there: two contacts, each with a name."""
+    start = Start(0.0, xi2=0.1, slip=-1.0)
+    alone = on(0.0, HALF, CoulombFriction(0.5), Flight(), Impact(0.5, "newton"), start=start, duration=1.0)
+    far = FreePlate(disc(0.1, 1.0), StartPose(50.0, 0.1), "far")
+    one, both = reference.simulate(alone), reference.simulate(replace(alone, others=(far,)))
+    own = [t for t in both.transitions if t.contact.startswith("plate/")]
+    assert len(one.transitions) > 3
+    assert [(t.contact, t.before, t.after) for t in own] == [(t.contact, t.before, t.after) for t in one.transitions]
+    assert [t.time for t in own] == pytest.approx([t.time for t in one.transitions], rel=1e-9)
