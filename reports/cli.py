@@ -29,6 +29,7 @@ COMMANDS = {
     "prove check": ("reference.proof_checker.__main__", "check proof records with an independent program"),
     "release publish": ("reports.publish", "publish a report with its release, in a clone"),
     "release deposit": ("reports.deposit", "pack a published report for a data repository"),
+    "release benchmark": ("reports.benchmark", "write the canonical friction benchmark for engines in any language"),
     "release cite": ("reports.cite", "print the citation as BibTeX"),
 }
 # Older names, for one version.

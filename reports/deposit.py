@@ -65,13 +65,14 @@ def pack(folder: Path, archive: Path, replace: bool = False) -> Path:
     }
     with atomic_path(archive, replace) as partial, ZipFile(partial, "w", ZIP_DEFLATED) as zipped:
         for name, text in metadata.items():
-            zipped.writestr(_entry(f"{root}/{name}"), text)
+            zipped.writestr(entry(f"{root}/{name}"), text)
         for name in (LIST, *names):
-            zipped.writestr(_entry(f"{root}/{name}"), (folder / name).read_bytes())
+            zipped.writestr(entry(f"{root}/{name}"), (folder / name).read_bytes())
     return archive
 
 
-def _entry(name: str) -> ZipInfo:
+def entry(name: str) -> ZipInfo:
+    """The entry of a name in an archive whose bytes depend on its content only."""
     entry = ZipInfo(name, _TIME)
     entry.compress_type = ZIP_DEFLATED
     entry.external_attr = 0o644 << 16

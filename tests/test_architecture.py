@@ -28,7 +28,7 @@ FLOORS = (
     {"cli"},
     {
         "build", "compare", "compare_builds", "comparison", "gate", "history", "publish", "submit",
-        "study", "show", "export", "sweep", "animate", "cite", "deposit", "engine_tests",
+        "study", "show", "export", "sweep", "animate", "cite", "deposit", "benchmark", "readers", "engine_tests",
     },
     {"options"},
     {"page"},
@@ -41,7 +41,7 @@ FLOORS = (
 )  # fmt: skip
 # Commands that name one case with the same words, and `compare` with its two questions about reports.
 NEIGHBOURS = {
-    "export": {"show"}, "animate": {"show"}, "publish": {"deposit"},
+    "export": {"show"}, "animate": {"show"}, "publish": {"deposit"}, "benchmark": {"deposit"},
     "compare": {"compare_builds", "gate"}, "gate": {"compare_builds"},
 }  # fmt: skip
 
@@ -312,7 +312,7 @@ def test_the_picture_shows_every_room_in_its_order():
     words = TEXT.split("```")[1].split()
     for upper, lower in zip(FLOORS, FLOORS[1:], strict=False):
         assert max(map(words.index, upper)) < min(map(words.index, lower))
-    folders = {path.name for path in (ROOT / "reports").iterdir() if path.is_dir()} - {"__pycache__"}
+    folders = {path.parent.name for path in (ROOT / "reports").glob("*/__init__.py")}
     assert folders == set().union(*FLOORS[FLOORS.index({"options"}) + 1 :])
 
 
