@@ -23,7 +23,7 @@ from .interface import PARTS
 GROUP = "slip_to_roll.adapters"
 
 # Modules of this folder that are not adapters.
-NO_ADAPTERS = {"by_process", "common", "executables", "gate", "interface", "laws", "lookup"}
+NO_ADAPTERS = {"by_process", "common", "executables", "gate", "interface", "laws", "lookup", "processes"}
 
 # Environment variable with the paths of the executables registered as engines. Worker processes inherit it.
 EXECUTABLES = "SLIP_TO_ROLL_ENGINES"
@@ -71,6 +71,20 @@ def find(name: str) -> ModuleType:
     if missing:
         raise BadValue(f"{name} is not an adapter: it lacks {', '.join(missing)}; see `adapters.interface`")
     return adapter
+
+
+def is_adapters(module: str) -> bool:
+    """Whether a module belongs to an engine's adapter, of the suite or of an installed package, so that importing it
+    runs the engine."""
+    here, _, rest = module.partition(".")
+    if here == "adapters":
+        return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
+    return here in {module_of(point).partition(".")[0] for point in entry_points(group=GROUP)}
+
+
+def module_of(point: EntryPoint) -> str:
+    """The module of an entry point, without the object after the colon."""
+    return point.value.partition(":")[0].strip()
 
 
 def executables() -> dict[str, Path]:

@@ -39,6 +39,18 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
+# Size limit of a foreign text in characters: the last error message of an engine fits.
+_LONGEST_TEXT = 2000
+
+
+def legible(text: object, most: int = _LONGEST_TEXT) -> str:
+    """A foreign text for files and terminals: at most `most` characters, with characters that cannot be printed (a
+    lone surrogate, NUL, an escape) spelled out."""
+    whole = str(text)
+    short = whole if len(whole) <= most else f"{whole[: most - 1]}…"
+    return printable(short).replace("\t", r"\t")
+
+
 def describe(problem: BaseException) -> str:
     """An exception in one line: its type and its text, if it has one. Raises nothing, whatever its `__str__` does."""
     try:

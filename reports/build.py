@@ -103,11 +103,10 @@ def _build(plan: BuildPlan) -> int:
     from .drawing.figure_files import for_print
     from .page import report_folder
     from .page.text import lost_text
-    from .running import external_motions, versions
+    from .running import cluster, external_motions, versions
     from .running.calls import Calls
     from .running.experiment import run_cases
-    from .running.processes import cluster
-    from .running.processes.progress import Display, usual
+    from .running.progress import Display, usual
     from .running.storage.result_store import Store
 
     if plan.dask is not None:
@@ -152,8 +151,8 @@ def _build(plan: BuildPlan) -> int:
 @contextmanager
 def _machines(plan: BuildPlan, calls: Calls) -> Iterator[None]:
     """A context manager in which untimed runs are made on the plan's cluster, if it has one."""
-    from .running.processes import cluster_worker
-    from .running.processes.cluster import Cluster
+    from .running import cluster_worker
+    from .running.cluster import Cluster
 
     if plan.dask is None:
         yield

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
+from cases.errors import legible
 from cases.files.user_files import place, text
 
 from . import options
-from .running.names import legible
 
 if TYPE_CHECKING:
     import pandas as pd

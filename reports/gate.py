@@ -19,12 +19,11 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from cases import BadValue
-from cases.errors import not_negative, number_in
+from cases.errors import legible, not_negative, number_in
 from cases.files.user_files import place
 
 from . import options
 from .compare_builds import read_table
-from .running.names import legible
 
 COMMAND = "reports.gate"
 FORMATS = ("text", "json", "junit")

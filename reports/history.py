@@ -95,7 +95,7 @@ def _make(
     from .page.manifest import manifest
     from .running.calls import Calls
     from .running.experiment import run_cases
-    from .running.processes.progress import Display
+    from .running.progress import Display
 
     names, missing = versions
     if not names:

@@ -83,7 +83,7 @@ def engine_figures(case: Case, store: Path) -> dict[str, Figure]:
     from .running.calls import Calls
     from .running.experiment import run_cases
     from .running.ladder_selection import select_rungs
-    from .running.processes.progress import Display
+    from .running.progress import Display
     from .running.storage.result_store import Store
 
     with Display() as display, Calls(store=Store(store), progress=display) as calls:

@@ -47,7 +47,7 @@ def _make(
     from .page.manifest import manifest
     from .running import versions
     from .running.calls import Calls
-    from .running.processes.progress import Display
+    from .running.progress import Display
     from .running.storage.result_store import Store
 
     store = Store(store_folder, fresh)

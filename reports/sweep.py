@@ -72,8 +72,8 @@ def _width(text: str, plan) -> float:
 def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and print their paths."""
     from .drawing.figure_files import embed_command
-    from .running.processes import cluster
-    from .running.processes.progress import Display
+    from .running import cluster
+    from .running.progress import Display
     from .sweeping import boundary_search, computation, map_figures
     from .sweeping.sweep_folder import Folder
 

@@ -120,17 +120,17 @@ def without_figures() -> Callable:
 def in_process() -> Callable:
     """In `with in_process():` workers' calls are made in this process: starting workers is most of the cost of a small
     report. For tests of a command's files and words; that calls are separated is tested elsewhere."""
-    from reports.running.processes import worker_process, workers
+    from adapters.processes import pool, worker
 
     def run(self, function, arguments, limit=60.0, skip=lambda index: None, groups=(), brief=False):
         for i, args in enumerate(arguments):
-            yield i, skip(i) or worker_process._call(function, args, Path(tempfile.mkdtemp()))
+            yield i, skip(i) or worker._call(function, args, Path(tempfile.mkdtemp()))
 
     @contextmanager
     def patched():
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(workers.WorkerPool, "run", run)
-            patch.setattr(workers.WorkerPool, "begin", lambda self, groups: None)
+            patch.setattr(pool.WorkerPool, "run", run)
+            patch.setattr(pool.WorkerPool, "begin", lambda self, groups, preload: None)
             yield
 
     return patched

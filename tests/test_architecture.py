@@ -181,8 +181,9 @@ ADAPTER_PARTS = {
     "interface": set(),
     "common": {"interface"},
     "gate": {"interface"},
-    "laws": {"interface", "lookup", "gate"},
+    "laws": {"interface", "lookup", "gate", "processes"},
     "lookup": {"interface", "by_process"},
+    "processes": {"common", "lookup"},
     "by_process": {"interface", "common"},
     "engine": {"interface", "common"},
 }
@@ -319,7 +320,7 @@ def test_the_picture_shows_every_room_in_its_order():
 # Calls outside `cases/files/owned_folder.py` that delete or rename files, and why they may.
 REMOVALS = {
     (
-        "reports/running/processes/worker_process.py",
+        "adapters/processes/worker.py",
         "rmtree",
     ): "the folder that the worker made for a call, and its content",
     ("reports/running/versions.py", "unlink"): "the note, in the suite's own cache, of why an environment was not made",

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from adapters.processes.worker import settle
 from cases import Case
 
 from ..drawing.figure_files import FigureEntry, for_print, writes_pdf
 from ..running.calls import Calls
 from ..running.ladder_selection import PAPER_CASE
-from ..running.processes.worker_process import settle
 from ..running.records import Experiment, usable
 
 # Wall-clock limit in seconds; drawing takes about 2 s, longer on a busy machine.

@@ -13,14 +13,13 @@ from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, NamedTuple, get_type_hints
 
+from adapters.processes.worker import CallResult
 from cases import Case
 
-from .processes import workers
-from .processes.cluster import Cluster
-from .processes.progress import Progress, silent
-from .processes.worker_process import CallResult
+from .cluster import Cluster
+from .progress import Progress, silent
 from .records import now
-from .solvers import groups_of, is_missing, named_in, version
+from .solvers import groups_of, is_missing, named_in, pool, version
 from .storage.fingerprint import Key, adapter_sources, environment_key, of_argument, sources
 from .storage.result_store import Store
 from .time_limits import ASKING_SECONDS, LIMIT_SECONDS
@@ -79,7 +78,7 @@ class Calls:
     cluster: Cluster | None = None
 
     def __enter__(self) -> Calls:
-        self._pool = workers.WorkerPool(self.jobs)
+        self._pool = pool(self.jobs)
         return self
 
     def __exit__(self, *_) -> None:
@@ -88,9 +87,8 @@ class Calls:
     def begin(self, solvers: Iterable[str]) -> None:
         """Start workers, and meanwhile read the source code for the solvers' keys."""
         solvers = tuple(solvers)
-        self._pool.begin(
-            sorted({group for group in groups_of((name,) for name in solvers) if not split_version(group)[1]})
-        )
+        groups = sorted({group for group in groups_of((name,) for name in solvers) if not split_version(group)[1]})
+        self._pool.begin(groups, "reports.running.tasks")
         for name in solvers:
             with suppress(SyntaxError, ValueError, LookupError, OSError):  # the solver then fails in its rows
                 adapter_sources(name)
@@ -152,8 +150,8 @@ class Calls:
         calls = [arguments[i] for i in remaining]
         title = f"{step} ({len(keys) - len(remaining)} more from the store)" if len(remaining) < len(keys) else step
         groups = groups_of(calls) if group is None else [group] * len(calls)
-        pool = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
-        with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
+        machines = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
+        with closing(machines.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])

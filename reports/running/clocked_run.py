@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from adapters import Setting, gate
+from adapters.processes.worker import reap
 from cases import Case, Trajectory
 
 from . import reference_adapter
-from .processes.worker_process import reap
 
 # Bytes of the C library's fenv_t; the largest, of x86-64, has 32.
 _FENV_BYTES = 512

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import reference
 from adapters import Setting, refusal_kind
+from adapters.processes.worker import CallResult
 from cases import Case
 
 from . import reference_adapter
 from .calls import Calls, Skip, StorePolicy
 from .ladder_selection import ladder_case
-from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, finest, now, routes
 from .storage.fingerprint import truth_key
 from .tasks import find_truth, perform, survey_of_cases

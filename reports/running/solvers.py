@@ -13,11 +13,13 @@ from packaging.requirements import Requirement
 
 import adapters
 from adapters.interface import ReturnsOnce, returns_once
+from adapters.processes import worker
+from adapters.processes.pool import WorkerPool
+from cases.errors import legible
 from cases.version import in_clone
 
 from . import versions
-from .names import REFERENCE, legible
-from .processes import worker_process
+from .names import REFERENCE
 from .storage import source_code
 
 _LONGEST_VERSION = 100
@@ -37,7 +39,7 @@ def solver(name: str) -> Any:
         from . import reference_adapter
 
         return ReturnsOnce(reference_adapter)  # like an engine, so that timings are comparable
-    if worker_process.group == "":
+    if worker.group == "":
         raise RuntimeError(f"{name} was requested in a worker whose calls must not load an engine")
     versions.demand(name)
     return ReturnsOnce(returns_once(adapters.engine)(versions.split_version(name)[0]))
@@ -58,6 +60,11 @@ def version(name: str) -> str:
 def is_missing(version: str) -> bool:
     """Whether a solver's version says that it is not installed."""
     return version.startswith(NOT_INSTALLED)
+
+
+def pool(jobs: int) -> WorkerPool:
+    """Workers in which every engine, and every version of one, has processes of its own."""
+    return WorkerPool(jobs, groups_of, versions.paths)
 
 
 def groups_of(calls: Iterable[Iterable]) -> list[str]:

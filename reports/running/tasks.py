@@ -16,7 +16,9 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
+from adapters.processes.worker import settle, without_engines
 from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition
+from cases.errors import legible
 from cases.files import owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
@@ -27,8 +29,6 @@ from ..judging.law_error import law_error
 from ..judging.null_motions import null_motions
 from ..judging.score import doubt_of_reading
 from .clocked_run import run_on_clock
-from .names import legible
-from .processes.worker_process import settle, without_engines
 from .records import TRUTH_RTOL, Offer, Run, Truth, is_truth, now
 from .solvers import NOT_INSTALLED, solver
 from .true_motions import true_motion

@@ -11,13 +11,13 @@ import numpy as np
 
 from adapters import Setting
 from adapters.common.motion_table import of_plate
+from adapters.processes import worker
 from cases import Case, Trajectory
 from cases.files import owned_folder
 from cases.scene.free_plates import POSE
 
 from . import reference_adapter
 from .clocked_run import run_on_clock
-from .processes import worker_process
 from .records import TRUTH_RTOL
 from .storage.fingerprint import content, digest
 
@@ -34,7 +34,7 @@ def true_motion(case: Case, method: str) -> Trajectory:
         return pickle.loads(file.read_bytes())
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
         motion = run_on_clock(reference_adapter, case, method, Setting.of(rtol=TRUTH_RTOL))
-    if file and worker_process.group == "":
+    if file and worker.group == "":
         with suppress(OSError):  # the disk is full, or the file too large: the others then compute the motion
             owned_folder.write(file, pickle.dumps(motion), durable=False)
     return motion
@@ -42,7 +42,7 @@ def true_motion(case: Case, method: str) -> Trajectory:
 
 def _file(case: Case, method: str) -> Path | None:
     """The motion's file; None outside workers, and for a case that cannot be compared."""
-    folder, same = worker_process.pool_folder, content(case)
+    folder, same = worker.pool_folder, content(case)
     return folder / f"{digest([same, method])}.motion" if folder and same else None
 
 

@@ -24,11 +24,11 @@ from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
 from cases import BadValue
-from cases.errors import UnknownName
+from cases.errors import UnknownName, legible
 from cases.files import owned_folder
 
 from . import cache_folder
-from .names import REFERENCE, legible
+from .names import REFERENCE
 from .storage import source_code
 
 MARK = "@"

@@ -1,4 +1,8 @@
-"""Computation of a sweep from its plan: missing parts are computed and written as they are completed."""
+"""Computation of a sweep from its plan: missing parts are computed and written as they are completed.
+
+The workers are of this machine or of a cluster. A part that ends its worker is halved until the scenario that causes it
+is isolated; that scenario is a row of failure.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +10,19 @@ import inspect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import pyarrow as pa
+
+from adapters.processes.pool import WorkerPool
 from cases import BadValue
 from reference.sweeping import CHUNK, Plan
 
+from ..running import cluster, cluster_worker
 from ..running.names import REFERENCE
-from ..running.processes import cluster, cluster_worker
-from ..running.processes.workers import WorkerPool, call_alone
-from ..running.solvers import routes, version
+from ..running.solvers import pool, routes, version
 from ..running.storage import fingerprint
-from . import local, parts
-from .local import Part
+from . import parts
 from .parts import SweepWork
 from .sweep_folder import Folder
 
@@ -26,6 +31,17 @@ LASTS = 2.0
 # Smallest number of scenarios in a part.
 LEAST = 8
 ROWS = "rows"
+# Wall-clock limit of a part in seconds: parts are sized to take seconds.
+PATIENCE = 900.0
+# Parts submitted to a pool at a time: the pool searches its waiting parts whenever it assigns one.
+TOGETHER = 1000
+
+
+class Part(NamedTuple):
+    """A range of scenarios: start … stop − 1."""
+
+    start: int
+    stop: int
 
 
 @dataclass(frozen=True)
@@ -38,14 +54,13 @@ class Machines:
 
     def compute(self, work: SweepWork, pending: list[Part]) -> Iterator[tuple[Part, bytes]]:
         """Yield the bytes of each part as it is completed."""
-        return local.run_parts(work, pending, WorkerPool(self.jobs) if self.dask is None else self._cluster(work))
+        return run_parts(work, pending, pool(self.jobs) if self.dask is None else self._cluster(work))
 
     def _cluster(self, work: SweepWork) -> cluster.Cluster:
         engines = () if work.solver == REFERENCE else (work.solver,)
         identity = dict(cluster_worker.identity(versions_of(engines), work.plan.files))
-        del identity[
-            cluster_worker.PROCESSOR
-        ]  # it affects only last digits, and a mixed cluster would otherwise be partly idle
+        # The processor affects only last digits, and a mixed cluster would otherwise be partly idle.
+        del identity[cluster_worker.PROCESSOR]
         return cluster.Cluster(self.dask or "", self.jobs, tuple(identity.items()), engines, work.plan.files)
 
 
@@ -100,7 +115,8 @@ def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], m
 
 def _of_engine(function: Callable, name: str):
     """Call a function on an engine in a worker, so that the engine is not loaded in this process."""
-    answer = call_alone(function, name)
+    with pool(1) as alone:
+        answer = alone.call(function, name)
     if answer.outcome != "done":
         raise BadValue(f"{name} cannot be used: {answer.failure[1]}")
     return answer.value
@@ -126,10 +142,59 @@ def _length(work: SweepWork) -> int:
     """Number of scenarios per part, from a pilot run; CHUNK divided by a power of two, so that noise rarely matters."""
     if len(work.plan) <= LEAST:
         return LEAST
-    answer = call_alone(parts.rate, work, limit=local.PATIENCE)
+    with pool(1) as alone:
+        answer = alone.call(parts.rate, work, limit=PATIENCE)
     if answer.outcome != "done":
         return LEAST  # one of the first scenarios ends its worker: small parts isolate it soonest
     length = CHUNK
     while length > LEAST and length > LASTS * answer.value:
         length //= 2
     return max(LEAST, length)
+
+
+# --- parts ------------------------------------------------------------------------------------------------------------
+
+
+def run_parts(
+    work: SweepWork, pending: Sequence[Part], machines: WorkerPool | cluster.Cluster
+) -> Iterator[tuple[Part, bytes]]:
+    """Yield the bytes of each part as it is completed; closes the machines at the end."""
+    try:
+        failed_parts = []
+        for begin in range(0, len(pending), TOGETHER):
+            batch = pending[begin : begin + TOGETHER]
+            for i, answer in machines.run(parts.perform, [(work, *part) for part in batch], PATIENCE):
+                if answer.outcome == "done":
+                    yield batch[i], answer.value
+                else:
+                    failed_parts.append(batch[i])
+        for whole in failed_parts:
+            yield whole, _in_halves(machines, work, whole)
+    finally:
+        machines.close()
+
+
+def _in_halves(machines: WorkerPool | cluster.Cluster, work: SweepWork, whole: Part) -> bytes:
+    """Compute a failed part by repeated halving."""
+    waiting, tables = [whole], []
+    while waiting:
+        batch, waiting = waiting, []
+        for i, answer in machines.run(parts.perform, [(work, *piece) for piece in batch], PATIENCE):
+            start, stop = batch[i]
+            if answer.outcome == "done":
+                tables.append(answer.value)
+            elif stop - start == 1:
+                outcome, reason = answer.failure
+                tables.append(parts.failure_text(work, start, outcome, reason))
+            else:
+                middle = (start + stop) // 2
+                waiting += [Part(start, middle), Part(middle, stop)]
+    return join_parts(tables)
+
+
+def join_parts(contents: Sequence[bytes]) -> bytes:
+    """Join the pieces of a part to one file."""
+    from pyarrow import parquet
+
+    tables = [parquet.read_table(pa.BufferReader(content)) for content in contents]
+    return parts.pack(pa.concat_tables(tables).sort_by("scenario"))

@@ -21,10 +21,11 @@ from adapters.by_process.bundle import (
     version_of,
 )
 from adapters.interface import refusal
+from adapters.processes.pool import WorkerPool
 from cases import Belt, Case, CoulombFriction, Drive, Gravity, Start, Unilateral, disc
 from cases.errors import UnknownName
 from cases.library import circle, hill, line
-from reports.running.processes.workers import WorkerPool
+from reports.running import solvers
 from reports.running.records import Run
 from reports.running.tasks import find_truth, perform
 from reports.running.time_limits import RUN_SECONDS
@@ -69,7 +70,7 @@ def engine(request, monkeypatch):
 
 @pytest.fixture(scope="module")
 def pool():
-    workers = WorkerPool(1)
+    workers = solvers.pool(1)
     yield workers
     workers.close()
 
@@ -285,7 +286,7 @@ def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is
     engine.chmod(0o755)
     monkeypatch.setenv(lookup.EXECUTABLES, "")
     lookup.register(engine)
-    workers = WorkerPool(1)  # a worker knows the engines of its start
+    workers = solvers.pool(1)  # a worker knows the engines of its start
     try:
         found = row(workers, "failing", "disc_on_line[mu=0.1]")
     finally:

@@ -13,7 +13,7 @@ import cases
 from reports import options
 from reports.page import text
 from reports.running.calls import Calls
-from reports.running.processes.progress import Display
+from reports.running.progress import Display
 from reports.studies import MOVED, Request
 
 

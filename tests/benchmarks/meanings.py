@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from adapters.processes.worker import CallResult
 from cases.files.command_line import status
 from reports.analysis.columns import Table
 from reports.drawing.figure_files import FigureEntry
 from reports.running.calls import Calls
 from reports.running.names import REFERENCE
-from reports.running.processes.worker_process import CallResult
 from reports.running.solvers import names as all_solvers
 from reports.running.solvers import solver
 from reports.running.time_limits import ASKING_SECONDS

@@ -13,6 +13,7 @@ from statistics import median
 from typing import Any, NamedTuple
 
 from adapters import Setting
+from adapters.processes.worker import CallResult
 from cases import Case, NotSupported
 from reports.analysis.columns import Table
 from reports.judging.grades import grade
@@ -20,7 +21,6 @@ from reports.judging.score import score
 from reports.running.calls import Calls
 from reports.running.clocked_run import run_on_clock
 from reports.running.experiment import find_truths, offers
-from reports.running.processes.worker_process import CallResult
 from reports.running.records import Offer, Truth, one_default
 from reports.running.solvers import solver
 from reports.running.true_motions import true_motion

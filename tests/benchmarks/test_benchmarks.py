@@ -9,9 +9,9 @@ import pytest
 import cases
 from adapters import Setting
 from adapters.lookup import engines
+from adapters.processes.worker import CallResult
 from cases import CoulombFriction, Gravity, Unilateral
 from reports.running.calls import Calls
-from reports.running.processes.worker_process import CallResult
 from reports.running.timing.clock import NO_TIMING
 from reports.studies import Request
 

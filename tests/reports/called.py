@@ -14,7 +14,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from reports.running.processes import worker_process
+from adapters.processes import worker
 
 MAP_NORESERVE = 0x4000  # <sys/mman.h> of Linux
 kept: list[bytes] = []
@@ -130,12 +130,12 @@ def meet(thing: str, own: str, other: str, folder: Path) -> int:
 
 def group_of_rest(how: str) -> str | None:
     """The group of the worker that makes the rest of a call."""
-    return worker_process.without_engines(own_group, how)
+    return worker.without_engines(own_group, how)
 
 
 def own_group(how: str) -> str | None:
     """The group of this worker; or fail."""
-    return worker_process.group if how == "work" else misbehave(how)
+    return worker.group if how == "work" else misbehave(how)
 
 
 def grow(megabytes: int) -> int:
@@ -146,10 +146,10 @@ def grow(megabytes: int) -> int:
 
 def import_engines() -> int:
     """Import what a timing of all solvers needs; the bytes by which the process grows."""
-    before = worker_process._resident()
+    before = worker._resident()
     for module in ("reference", "scipy.integrate", "heyoka", "exudyn", "pymunk"):
         importlib.import_module(module)
-    return worker_process._resident() - before
+    return worker._resident() - before
 
 
 def prepared(number: int) -> tuple[int, bool]:

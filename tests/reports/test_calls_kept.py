@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 import cases
+from adapters.processes.worker import CallResult
 from reports.running import calls, solvers
 from reports.running.calls import Calls, StorePolicy
-from reports.running.processes.worker_process import CallResult
 from reports.running.storage.result_store import Store
 from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from adapters.processes.pool import WorkerPool
+from reports.running import cluster_worker
 from reports.running.calls import Calls
-from reports.running.processes import cluster_probe, cluster_worker
-from reports.running.processes.cluster import Cluster, NoWorkers
-from reports.running.processes.workers import WorkerPool
+from reports.running.cluster import Cluster, NoWorkers
 
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.builds, pytest.mark.filterwarnings("ignore")]  # Dask's own
@@ -35,7 +35,7 @@ def within(monkeypatch):
     """A cluster within this process."""
     import distributed
 
-    monkeypatch.setattr(cluster_probe, "identify", fits)
+    monkeypatch.setattr(cluster_worker, "ask_identity", fits)
     own = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
     yield Cluster(own.scheduler_address, 1, ())
     own.close()

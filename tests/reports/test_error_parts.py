@@ -9,9 +9,9 @@ import pytest
 
 import cases
 from adapters import Setting
+from adapters.processes.worker import CallResult
 from reports import study
 from reports.running.calls import Calls
-from reports.running.processes.worker_process import CallResult
 from reports.running.tasks import find_truth, perform, survey_of_cases
 from reports.studies import Request, error_parts
 from reports.studies.error_parts import ErrorCell, Grid

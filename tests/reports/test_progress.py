@@ -4,8 +4,8 @@ import io
 
 from rich.console import Console
 
-from reports.running.processes import progress
-from reports.running.processes.progress import Display, in_words, usual
+from reports.running import progress
+from reports.running.progress import Display, in_words, usual
 
 
 def test_the_time_left_is_that_of_the_whole_at_the_pace_seen(monkeypatch):

@@ -350,7 +350,7 @@ def rebuilt(tmp_path_factory) -> Path:
     from reports.page.text import inert
     from reports.running import experiment
     from reports.running.calls import Calls
-    from reports.running.processes.progress import Display
+    from reports.running.progress import Display
     from reports.running.storage.result_store import Store
 
     place = tmp_path_factory.mktemp("rebuilt")

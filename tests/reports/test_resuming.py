@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import cases
+from adapters.processes import pool as pools
 from reports.running import experiment
 from reports.running.calls import Calls
-from reports.running.processes import workers
 from reports.running.storage.result_store import Store
 
 from .. import fake_adapter
@@ -38,7 +38,7 @@ def installed(tmp_path_factory):
     fake_adapter.install(folder, [])
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(folder)
-        pool = workers.WorkerPool(1)
+        pool = pools.WorkerPool(1)
         yield folder, pool
         pool.close()
 
@@ -106,6 +106,6 @@ def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):
 
 
 def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
-    killed, own = workers._death(-signal.SIGKILL), workers._death(-signal.SIGSEGV)
+    killed, own = pools._death(-signal.SIGKILL), pools._death(-signal.SIGSEGV)
     assert "SIGKILL, from outside" in killed.reason and not killed.lasting
-    assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
+    assert own.lasting and pools._death(7).lasting and pools._death(-40).reason.endswith("40, from outside")

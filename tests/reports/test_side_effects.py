@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import cases
+from adapters.processes import worker
 from reports.running import experiment, solvers, tasks
 from reports.running.calls import Calls
 from reports.running.clocked_run import engine_code
-from reports.running.processes import worker_process
 from reports.running.records import Experiment, Run
 
 from .. import fake_adapter, side_effects
@@ -91,10 +91,10 @@ def test_no_side_effect_of_an_adapter_reaches_another_row(install):
 
 
 def test_no_engine_is_loaded_among_the_references_calls(monkeypatch):
-    monkeypatch.setattr(worker_process, "group", "")
+    monkeypatch.setattr(worker, "group", "")
     with pytest.raises(RuntimeError, match="must not load an engine"):
         solvers.solver("pymunk")
-    monkeypatch.setattr(worker_process, "group", "pymunk")
+    monkeypatch.setattr(worker, "group", "pymunk")
     assert solvers.solver("pymunk").NAME == "pymunk"
 
 

@@ -7,11 +7,10 @@ import pytest
 from pyarrow import parquet
 
 from reference.sweeping import plan
-from reports.running.processes import cluster_worker
-from reports.running.processes.cluster import Cluster
-from reports.running.processes.workers import WorkerPool
-from reports.sweeping import local
-from reports.sweeping.local import Part
+from reports.running import cluster_worker
+from reports.running.cluster import Cluster
+from reports.running.solvers import pool
+from reports.sweeping.computation import Part, run_parts
 from reports.sweeping.parts import SweepWork
 
 pytest.importorskip("distributed")
@@ -23,7 +22,7 @@ PARTS = [Part(start, min(start + 200, len(PLAN))) for start in range(0, len(PLAN
 @pytest.fixture(scope="module")
 def exact():
     """The rows of this plan by the workers of one machine."""
-    return rows(local.run_parts(SweepWork(PLAN), PARTS, WorkerPool(2)))
+    return rows(run_parts(SweepWork(PLAN), PARTS, pool(2)))
 
 
 def rows(coming) -> pa.Table:
@@ -38,7 +37,7 @@ def rows(coming) -> pa.Table:
 
 def asked(loopback, patience: float = 120.0):
     machines = Cluster(loopback.address, 2, cluster_worker.identity({}), patience=patience)
-    return local.run_parts(SweepWork(PLAN), PARTS, machines)
+    return run_parts(SweepWork(PLAN), PARTS, machines)
 
 
 def test_with_workers_killed_again_and_again_no_digit_differs(loopback, exact):

@@ -13,14 +13,13 @@ from pyarrow import parquet
 import adapters
 import cases
 import reference
+from adapters.processes.pool import WorkerPool
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
-from reports.running import tasks
-from reports.running.processes import cluster
-from reports.running.processes.workers import WorkerPool
-from reports.sweeping import boundary_search, local, parts
-from reports.sweeping.local import Part
+from reports.running import cluster, tasks
+from reports.sweeping import boundary_search, parts
+from reports.sweeping.computation import Part, run_parts
 from reports.sweeping.parts import SweepWork
 from reports.sweeping.sweep_folder import Folder
 
@@ -124,7 +123,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 
     cases.load_file(file)
     asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
-    coming = dict(local.run_parts(SweepWork(asked), [Part(0, 3)], WorkerPool(1)))
+    coming = dict(run_parts(SweepWork(asked), [Part(0, 3)], WorkerPool(1)))
     rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
     assert [row["scenario"] for row in rows] == [0, 1, 2]
     assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]

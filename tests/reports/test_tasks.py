@@ -9,13 +9,13 @@ import pytest
 
 import cases
 from adapters import EngineFailure, Setting
+from adapters.processes.worker import CallResult
 from cases import Mode, NotSupported, Start, State, Trajectory, Transition
 from reports.analysis import tables
 from reports.judging import several_contacts
 from reports.page import text
 from reports.running import clocked_run, experiment, tasks
 from reports.running.calls import Calls
-from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, first_error
 from reports.running.true_motions import true_motion
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 import cases
 from adapters import Setting, lookup
+from adapters.processes.worker import CallResult
 from cases import Cost, Mode, Transition
 from reports.judging.score import Score
-from reports.running.processes.worker_process import CallResult
 from reports.running.records import Experiment, Run, Truth
 from reports.running.storage.result_store import Store
 from reports.running.timing import clock, cold_start, time_breakdown, timed_pass

@@ -8,9 +8,9 @@ import pytest
 import cases
 import reference
 from adapters import Setting
+from adapters.processes import worker
 from cases import lookup
 from reports.running import tasks, true_motions
-from reports.running.processes import worker_process
 from reports.running.records import TRUTH_RTOL
 
 CASE = cases.load("disc_on_incline", slope=0.2)
@@ -20,10 +20,10 @@ TIMES = np.linspace(0.0, CASE.duration, 11)
 @pytest.fixture
 def in_worker(tmp_path, monkeypatch):
     """Compute a motion as a worker of that group does, without the motions of earlier calls."""
-    monkeypatch.setattr(worker_process, "pool_folder", tmp_path)
+    monkeypatch.setattr(worker, "pool_folder", tmp_path)
 
     def motion_in(group: str, case=CASE):
-        monkeypatch.setattr(worker_process, "group", group)
+        monkeypatch.setattr(worker, "group", group)
         true_motions.true_motion.cache_clear()
         return true_motions.true_motion(case, reference.METHODS[0])
 
@@ -71,5 +71,5 @@ def test_another_case_has_another_motion(in_worker, tmp_path):
 
 
 def test_a_motion_that_cannot_be_written_is_still_a_motion(in_worker, monkeypatch, tmp_path):
-    monkeypatch.setattr(worker_process, "pool_folder", tmp_path / "missing")
+    monkeypatch.setattr(worker, "pool_folder", tmp_path / "missing")
     assert in_worker("").status == "completed"

@@ -11,9 +11,8 @@ import cases
 from cases import BadValue, CaseError
 from reports import build, compare_builds, options
 from reports.analysis.columns import with_version
-from reports.running import cache_folder, experiment, versions
+from reports.running import cache_folder, experiment, solvers, versions
 from reports.running.calls import Calls
-from reports.running.processes.workers import WorkerPool
 from reports.running.solvers import groups_of
 from reports.running.storage import source_code
 from reports.running.timing import timed_pass
@@ -125,7 +124,7 @@ def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_proce
 
 def test_a_worker_of_a_version_finds_it_first_and_others_do_not(pretended):
     here = version("pymunk")
-    pool = WorkerPool(1)
+    pool = solvers.pool(1)
     groups = ["engines", "pymunk@6.99", "", "pymunk@6.99"]
     answers = dict(pool.run(version, [("pymunk",)] * 4, groups=groups))
     pool.close()

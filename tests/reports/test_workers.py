@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from reports.running.processes import worker_process, workers
+from adapters.processes import pool as pools
+from adapters.processes import worker
 
 from ..full_disk import full_disk
 from .called import (
@@ -51,9 +52,9 @@ WAYS = {
 }
 
 
-def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.CallResult]]:
+def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, pools.CallResult]]:
     """What the workers of a pool answer."""
-    pool = workers.WorkerPool(jobs)
+    pool = pools.WorkerPool(jobs)
     try:
         return list(pool.run(function, calls, limit, **how))
     finally:
@@ -61,7 +62,7 @@ def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.C
 
 
 @pytest.fixture(scope="module")
-def answers() -> dict[str, workers.CallResult]:
+def answers() -> dict[str, pools.CallResult]:
     # Two seconds are long for every way that ends by itself, and short to wait for the one that does not.
     calls = [(way,) for way in WAYS]
     return {[*WAYS][index]: answer for index, answer in run(misbehave, calls, jobs=2, limit=2.0)}
@@ -89,7 +90,7 @@ def test_arguments_that_cannot_travel_are_an_answer():
 
 
 def test_an_answer_may_be_given_instead_of_a_call():
-    given = workers.CallResult("done", value="given")
+    given = pools.CallResult("done", value="given")
     calls = run(misbehave, [("exit",), ("exit",)], skip=lambda index: given)
     assert calls == [(0, given), (1, given)]
 
@@ -106,7 +107,7 @@ def test_address_space_is_not_bounded():
 )
 def test_a_process_with_a_session_of_its_own_ends_with_the_call_that_left_it(then, tmp_path, monkeypatch):
     monkeypatch.setenv("LEFT_BEHIND", str(tmp_path))
-    pool = workers.WorkerPool(1)
+    pool = pools.WorkerPool(1)
     try:
         ((_, answer),) = pool.run(leave_behind, [(then,)], limit=2.0)
         assert answer.outcome == {"return": "done", "hang": "timed_out"}.get(then, "died")
@@ -142,7 +143,7 @@ def test_a_fault_of_the_folder_for_temporary_files_is_no_answer(fault, tmp_path,
     """It ends the command with one line; a failure that is an answer would be stored, and shown by the next report."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "folder"))
     (tmp_path / "folder").mkdir()
-    pool = workers.WorkerPool(1)
+    pool = pools.WorkerPool(1)
     try:
         if fault == "gone":
             shutil.rmtree(tmp_path / "folder")
@@ -175,7 +176,7 @@ def test_a_call_that_hangs_leaves_no_temporary_file(tmp_path, monkeypatch):
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
 def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     asked = f"list(WorkerPool(1).run(linger, [(Path({str(tmp_path)!r}),)]))"
-    asking = f"from reports.running.processes.workers import WorkerPool; from tests.reports.called import *; {asked}"
+    asking = f"from adapters.processes.pool import WorkerPool; from tests.reports.called import *; {asked}"
     parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parents[2])
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
@@ -185,7 +186,7 @@ def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     parent.wait()
     wait_until(lambda: has_ended(worker))
     assert left.exists()
-    workers.WorkerPool(1).close()
+    pools.WorkerPool(1).close()
     assert not left.exists(), "the next one sweeps what a killed one left"
 
 
@@ -217,7 +218,7 @@ def test_imports_leave_room_for_compiled_code():
     for module in ("heyoka", "exudyn", "pymunk"):
         pytest.importorskip(module)
     ((_, answer),) = run(import_engines, [()])
-    assert 0 < 2 * answer.value < worker_process._GROWTH_BYTES
+    assert 0 < 2 * answer.value < worker._GROWTH_BYTES
 
 
 def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle(tmp_path):
@@ -248,9 +249,9 @@ def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
 
 
 def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
-    pool = workers.WorkerPool(2)
+    pool = pools.WorkerPool(2)
     try:
-        pool.begin(["", "engines"])
+        pool.begin(["", "engines"], "reports.running.tasks")
         outcome_text = [
             answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)
         ]

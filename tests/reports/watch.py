@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
+from adapters.processes.worker import CallResult
 from reports.running.calls import Calls
-from reports.running.processes.worker_process import CallResult
 
 # Seconds that a look at the clock takes: far below every time that a test measures.
 TICK = 1e-9

@@ -10,20 +10,19 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import os
-from collections.abc import Container
 from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from adapters.lookup import GROUP, NO_ADAPTERS, executables
+from adapters.lookup import GROUP, executables, module_of
 
 # The suite's packages.
 SUITE = ("adapters", "cases", "reference", "reports")
 # The folders of `reports` whose code makes results: each may import those before it (tests/test_architecture.py).
 LAYERS = ("judging", "running", "analysis", "drawing", "sweeping", "studies", "page")
 # The modules of `adapters` that all adapters may import.
-SHARED = ("", "common", "gate", "interface", "lookup")
+SHARED = ("", "common", "gate", "interface", "lookup", "processes")
 # The first layers whose results depend on these folders of `cases`.
 FIRST_WITH = {"pictures": "drawing", "catalogue": "studies"}
 
@@ -32,28 +31,8 @@ def of_adapter(engine: str) -> str:
     """The name of an engine's adapter module; `adapters.by_process` for executables, whose version is a digest."""
     if engine in executables():
         return "adapters.by_process"
-    foreign = [_module(point) for point in entry_points(group=GROUP, name=engine)]
+    foreign = [module_of(point) for point in entry_points(group=GROUP, name=engine)]
     return foreign[-1] if foreign else f"adapters.{engine}"
-
-
-def is_adapters(module: str, packages: Container[str] | None = None) -> bool:
-    """Whether a module belongs to an engine's adapter, so that importing it runs the engine.
-
-    `packages`: the result of `adapter_packages`, if it is known."""
-    here, _, rest = module.partition(".")
-    if here == "adapters":
-        return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
-    return here in (adapter_packages() if packages is None else packages)
-
-
-def adapter_packages() -> frozenset[str]:
-    """The installed packages that provide adapters; those of this suite's own folder are not among them."""
-    return frozenset(_module(point).partition(".")[0] for point in entry_points(group=GROUP))
-
-
-def _module(point: EntryPoint) -> str:
-    """The module of an entry point, without the object after the colon."""
-    return point.value.partition(":")[0].strip()
 
 
 def routes_of(engine: str) -> tuple[str, ...]:

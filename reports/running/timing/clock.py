@@ -23,11 +23,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from adapters import Setting
+from adapters.processes.worker import reap
 from cases import Case
+from cases.errors import legible
 
 from ..clocked_run import engine_code
-from ..names import legible
-from ..processes.worker_process import reap
 from ..solvers import solver
 
 # The median is precise enough if its relative standard error is below this.

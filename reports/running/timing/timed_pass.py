@@ -11,10 +11,10 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from adapters.lookup import executables
+from adapters.processes.worker import CallResult
 from cases import Case
 
 from ..calls import Calls, StorePolicy
-from ..processes.worker_process import CallResult
 from ..records import Experiment, one_default, routes, usable
 from ..solvers import SEVERAL
 from ..versions import split_version

@@ -17,6 +17,7 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting
+from adapters.processes.worker import CallResult
 from cases import Case, Mode, Trajectory
 from reference import certification
 
@@ -26,7 +27,6 @@ from ...judging.grades import LIMITS, Grade, percent
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import run_cases
 from ...running.names import REFERENCE
-from ...running.processes.worker_process import CallResult
 from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
 from ...running.tasks import find_truth, in_catalogue, truth_of
 from ...running.true_motions import true_motion

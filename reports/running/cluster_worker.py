@@ -15,10 +15,11 @@ from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
-from ..solvers import version
-from ..storage import fingerprint, source_code
-from .worker_process import CallResult, NextCall, without_engines
-from .workers import WorkerPool
+from adapters.processes.pool import WorkerPool
+from adapters.processes.worker import CallResult, NextCall, without_engines
+
+from .solvers import pool, version
+from .storage import fingerprint, source_code
 
 # Names and values that decide the answers of a machine.
 Identity = tuple[tuple[str, str], ...]
@@ -77,7 +78,7 @@ def ask_identity(solvers: tuple[str, ...], files: tuple[str, ...]) -> Identity |
             if answer.outcome != "done":
                 return f"{solvers[i]} does not report its version ({answer.reason})"
         versions = {solvers[i]: answer.value for i, answer in answers.items()}
-        ((_, whole),) = _own().run(identity, [(versions, files)])
+        whole = _own().call(identity, versions, files)
     if whole.outcome != "done":
         return f"the suite is incomplete ({whole.reason})"
     _ready.set()
@@ -116,4 +117,4 @@ def run_pickle(call: tuple[Callable, tuple]) -> bytes:
 def _own() -> WorkerPool:
     # A worker with a nanny is a daemon, which may not start processes that might outlive it. These end with it.
     multiprocessing.current_process().daemon = False
-    return WorkerPool(1)
+    return pool(1)

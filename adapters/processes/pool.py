@@ -25,14 +25,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from adapters.common.supervision import TOO_MUCH_MEMORY
+from cases.errors import legible
 from cases.files import owned_folder
 
-from .. import versions
-from ..names import legible
-from ..solvers import groups_of
-from ..storage.source_code import is_adapters
-from .worker_process import MEMORY_BYTES, START_MESSAGE, CallResult, NextCall, serve
+from ..common.supervision import TOO_MUCH_MEMORY
+from ..lookup import is_adapters
+from .worker import MEMORY_BYTES, START_MESSAGE, CallResult, NextCall, serve
 
 # Time limit for the start of a process (s), for a busy machine; it does not count towards the call's limit.
 _STARTUP_SECONDS = 60.0
@@ -58,20 +56,35 @@ _NUMBERS = itertools.count(1)
 class WorkerPool:
     """Worker processes that make calls, `jobs` at a time. Raises OSError if they can have no folder for their files.
 
-    `close` kills them and removes their scratch directories; leftovers of a killed main process are removed by the next
-    pool."""
+    `groups_of`: the groups of calls by their arguments, "" for calls that load no engine; calls of different groups
+    never share a worker. `paths_of`: folders that the workers of a group search first for packages. `close`, at the end
+    of a `with` block too, kills them and removes their scratch directories; leftovers of a killed main process are
+    removed by the next pool."""
 
-    def __init__(self, jobs: int):
-        self._jobs = jobs
+    def __init__(
+        self,
+        jobs: int,
+        groups_of: Callable[[Sequence[tuple]], Sequence[str]] = lambda calls: [""] * len(calls),
+        paths_of: Callable[[str], list[str]] = lambda group: [],
+    ):
+        self._jobs, self._groups_of, self._paths_of = jobs, groups_of, paths_of
         owned_folder.remove_leftovers()
         self._scratch: owned_folder.TemporaryFolder | None = None
         self._workers: list[_Worker] = []
         self._require_folder()
 
-    def begin(self, groups: Sequence[str]) -> None:
-        """Start a worker for each group; it imports the modules of a report's calls in the background."""
-        preload = "reports.running.tasks"
-        self._workers += [_Worker(self._require_folder(), group, preload) for group in groups]
+    def __enter__(self) -> WorkerPool:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def begin(self, groups: Sequence[str], preload: str) -> None:
+        """Start a worker for each group; it imports the module `preload` in the background."""
+        self._workers += [self._new_worker(group, preload) for group in groups]
+
+    def _new_worker(self, group: str, preload: str = "") -> _Worker:
+        return _Worker(self._require_folder(), group, self._paths_of(group), preload)
 
     def close(self) -> None:
         """End the workers."""
@@ -107,6 +120,11 @@ class WorkerPool:
             raise OSError(f"no process can make a call: {answer.reason}; repeat the command when the machine allows it")
         return is_first
 
+    def call(self, function: Callable, *arguments: Any, limit: float = 60.0) -> CallResult:
+        """The answer to one call."""
+        ((_, answer),) = self.run(function, [arguments], limit)
+        return answer
+
     def run(
         self,
         function: Callable,
@@ -119,14 +137,13 @@ class WorkerPool:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
         Calls with the same first argument start in order, in one worker if no other worker would be idle: code compiled
-        for a case serves all runs of the case. Calls of different `groups` (default: `groups_of` the calls) never share
-        a worker; a group named as a solver with a version runs with that version. Yields (i, answer) as calls end;
-        `skip(i)`, called just before call i would start, may return an answer instead. The function and its arguments
-        are pickled, so the function must be at the top level of a module. Calls still running when the iterator is
-        closed are killed. The rest of a call (`worker_process.without_engines`) is made before others, so that few
+        for a case serves all runs of the case. `groups`: those of the calls, not by `groups_of`. Yields (i, answer) as
+        calls end; `skip(i)`, called just before call i would start, may return an answer instead. The function and
+        its arguments are pickled, so the function must be at the top level of a module. Calls still running when the
+        iterator is closed are killed. The rest of a call (`worker.without_engines`) is made before others, so that few
         motions wait. `brief`: each call takes milliseconds, so that few calls start no additional workers.
         """
-        groups = list(groups or groups_of(arguments))
+        groups = list(groups or self._groups_of(arguments))
         calls = [NextCall(function, args) for args in arguments]
         waiting = dict(enumerate(arguments))
         once_more, rest_indices = set(waiting), set[int]()
@@ -191,7 +208,7 @@ class WorkerPool:
             return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
         self._make_room({groups[i] for i in waiting})
-        self._workers.append(worker := _Worker(self._require_folder(), group))
+        self._workers.append(worker := self._new_worker(group))
         return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, subjects)
 
     def _make_room(self, groups: set[str]) -> None:
@@ -203,26 +220,16 @@ class WorkerPool:
         self._workers = [worker for worker in self._workers if worker.alive]
 
 
-def call_alone(function: Callable, *arguments: Any, limit: float = 60.0) -> CallResult:
-    """The result of one call in a worker of its own."""
-    pool = WorkerPool(1)
-    try:
-        ((_, answer),) = pool.run(function, [arguments], limit)
-    finally:
-        pool.close()
-    return answer
-
-
 class _Worker:
     """A worker process and the pipe to it."""
 
-    def __init__(self, folder: Path, group: str, preload: str = ""):
+    def __init__(self, folder: Path, group: str, paths: list[str], preload: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self._scratch = owned_folder.TemporaryFolder(folder)
         self.pipe, far_end = context.Pipe()
         process_args = far_end, str(self._scratch.path), os.getpid(), group, preload
         self.process = context.Process(target=serve, args=process_args, daemon=True)
-        with _start_environment(versions.paths(group)):
+        with _start_environment(paths):
             self.process.start()
         far_end.close()
         self.group = group

@@ -26,9 +26,9 @@ from typing import Any
 
 import numpy as np
 
-from adapters.common import supervision
+from cases.errors import legible
 
-from ..names import legible
+from ..common import supervision
 
 # Size limit of a file that an engine writes, in bytes; the largest normal log of one run has a few megabytes.
 _FILE_BYTES = 32 * 2**20
@@ -43,7 +43,7 @@ _GROWTH_BYTES = 300 * 2**20
 _OUTPUT_CHARACTERS = 2000
 # A worker sends this when it starts a call; the time limit runs from then.
 START_MESSAGE = "begun"
-# The group of engines whose code may run in this process (`solvers.groups_of`): "" for none, None in other processes.
+# The group of the engines whose code may run in this process: "" for none, None in a process that is no worker.
 group: str | None = None
 # The folder of the pool that this worker belongs to; None in other processes.
 pool_folder: Path | None = None

@@ -15,15 +15,14 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from adapters.processes.pool import read
+from adapters.processes.worker import CallResult
 from cases import BadValue
-from cases.errors import describe
+from cases.errors import describe, legible
 
-from ..names import legible
-from ..solvers import groups_of
-from . import cluster_probe, cluster_worker
+from . import cluster_worker
 from .cluster_worker import Identity
-from .worker_process import CallResult
-from .workers import read
+from .solvers import groups_of
 
 LOCAL = "local"
 # Calls submitted at a time per worker: enough that no worker is idle.
@@ -59,16 +58,14 @@ def check(address: str) -> None:
 
 def _dask():
     try:
-        import cloudpickle
         import distributed
     except ImportError as problem:
         raise BadValue(f"--dask needs Dask ({problem}); install it: pip install 'slip-to-roll[dask]'") from None
-    cloudpickle.register_pickle_by_value(cluster_probe)
     return distributed
 
 
 class Cluster:
-    """The workers of a scheduler that have the same `identity` as this machine; the interface of `workers.WorkerPool`.
+    """The workers of a scheduler that have the same `identity` as this machine; the interface of `pools.WorkerPool`.
 
     `address`: the scheduler's, or LOCAL for `jobs` workers of this machine. `solvers` and `files`: the solvers and case
     files that are part of the identity. Raises NoWorkers if the scheduler or all suitable workers are absent for
@@ -188,9 +185,7 @@ class _ClusterRun:
             for worker in there:
                 if worker not in (*self.fit, *self.unfit, *self.pending):
                     question = self.cluster.question
-                    self.pending[worker] = self.client.submit(
-                        cluster_probe.identify, *question, workers=[worker], pure=False
-                    )
+                    self.pending[worker] = self.client.submit(_probe(), *question, workers=[worker], pure=False)
             self.pending = {worker: future for worker, future in self.pending.items() if worker in there}
             self._collect_identities()
             self.fit = [worker for worker in self.fit if worker in there]
@@ -271,6 +266,22 @@ class _ClusterRun:
             yield index, CallResult("died", reason=f"it ended {DEADLY} workers of the cluster", lasting=False)
         else:
             raise NoWorkers(f"no worker of the cluster can make a call ({describe(problem)}); repeat the command")
+
+
+def _probe() -> Callable:
+    """The first call on a cluster's worker. It is pickled with its code, as all functions within functions are, because
+    the worker may not have the suite."""
+
+    def identify(solvers: tuple[str, ...], files: tuple[str, ...]):
+        """The identity of the machine that runs this, or the reason why it has none."""
+        try:
+            from reports.running import cluster_worker
+
+            return cluster_worker.ask_identity(solvers, files)
+        except Exception as problem:
+            return f"the suite is missing or incomplete ({type(problem).__name__}: {problem})"
+
+    return identify
 
 
 def _unpickle_value(answer: CallResult) -> CallResult:

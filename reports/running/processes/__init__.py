@@ -1,1 +1,0 @@
-"""Processes that run calls: workers of this machine and of a cluster."""
