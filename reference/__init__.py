@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from .impulses import ContactImpulse, impacts
     from .laws_check.broken_laws import BrokenLaw
     from .laws_check.full_check import check
+    from .parameter_derivatives import Derivatives, NoDerivative, derivatives
     from .proofs.prover import prove
     from .solve import METHODS, simulate
     from .sweeping import sweep, sweep_chunks
@@ -16,8 +17,11 @@ __all__ = [
     "METHODS",
     "BrokenLaw",
     "ContactImpulse",
+    "Derivatives",
+    "NoDerivative",
     "certify",
     "check",
+    "derivatives",
     "impacts",
     "prove",
     "simulate",
@@ -29,6 +33,7 @@ _MODULE_OF = {
     "certify": "certification.certificate",
     "BrokenLaw": "laws_check.broken_laws",
     "check": "laws_check.full_check",
+    **dict.fromkeys(("Derivatives", "NoDerivative", "derivatives"), "parameter_derivatives"),
     **dict.fromkeys(("ContactImpulse", "impacts"), "impulses"),
     "prove": "proofs.prover",
     **dict.fromkeys(("METHODS", "simulate"), "solve"),

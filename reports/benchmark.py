@@ -1,9 +1,9 @@
 """`slip-to-roll release benchmark`: the canonical friction benchmark, one archive for engines in any language.
 
 It has the scenes as data (scenes/NAME.json, the form that `docs/process_protocol.md` describes), the certified truth
-with error bars (transitions.csv, states.csv, truth.json), a page that states each scene by its formulas (index.html),
-and readers in C++, Rust, JavaScript and Python that print the errors of a list of values, paired with the truth. To use
-it, nothing of the suite is needed. The same version gives the same bytes.
+with error bars (transitions.csv, states.csv, derivatives.csv, truth.json), a page that states each scene by its
+formulas (index.html), and readers in C++, Rust, JavaScript and Python that print the errors of a list of values, paired
+with the truth. To use it, nothing of the suite is needed. The same version gives the same bytes.
 
 Exit status: 0; 2, with one sentence, for an unsuitable file; 1 if it cannot be written.
 """
@@ -17,7 +17,7 @@ from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from html import escape
 from itertools import groupby
-from math import pi
+from math import inf, nan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -58,12 +58,16 @@ SCENES = (
 )  # fmt: skip
 TRANSITIONS = "case,contact,before,after,time,bar"
 STATES = "case,quantity,t,value,bar"
+DERIVATIVES = "case,parameter,contact,before,after,derivative,bar"
+# The parameters of derivatives.
+PARAMETERS = ("mu", "e")
 _WORDS = """# Canonical friction benchmark, version {version}
 
 {count} scenes of rigid plates on planar curves with Coulomb friction, and their true motions.
 
 1. Build a scene from scenes/NAME.json (index.html states it by formulas) and simulate it with your engine.
-2. Write a file of your values, with the columns of transitions.csv or states.csv without the last one, bar.
+2. Write a file of your values, with the columns of transitions.csv, states.csv or derivatives.csv, which has
+   d(time)/d(parameter) for differentiable engines, without the last one, bar.
 3. Print their errors, each paired with the truth, by a reader of your language in readers/:
    `python3 readers/errors.py transitions.csv mine.csv`
 
@@ -87,6 +91,7 @@ def pack(archive: Path, labels: Sequence[str] = SCENES, replace: bool = False) -
         "index.html": _page(truths),
         "transitions.csv": _csv(TRANSITIONS, _transitions(truths)),
         "states.csv": _csv(STATES, _states(truths)),
+        "derivatives.csv": _csv(DERIVATIVES, _derivatives(truths)),
         "truth.json": json.dumps([_summary(one) for one in truths], indent=1) + "\n",
         **{f"scenes/{name_of(one.case.label)}.json": as_json(scene(one.case)) + "\n" for one in truths},
         **{f"readers/{path.name}": path.read_text(encoding="utf-8") for path in sorted(READERS.iterdir())},
@@ -136,6 +141,21 @@ def _states(some: Sequence[_Certified]) -> Iterator[tuple]:
         for quantity, values in truth.samples.items():
             for t, value in zip(truth.times, values, strict=True):
                 yield name_of(case.label), quantity, t, *value
+
+
+def _derivatives(some: Sequence[_Certified]) -> Iterator[tuple]:
+    """The derivatives of transition times by friction and restitution; NaN where there are none."""
+    from reference import NoDerivative, derivatives
+
+    for case, *_ in some:
+        for parameter in (p for p in PARAMETERS if p in cases.registry.entry(case.name).parameters):
+            try:
+                changes = derivatives(case, parameter).transitions
+            except NoDerivative:
+                yield name_of(case.label), parameter, "", "", "", nan, inf
+                continue
+            for t in changes:
+                yield name_of(case.label), parameter, t.contact, t.before, t.after, *t.derivative
 
 
 def _csv(head: str, rows: Iterator[tuple]) -> str:
@@ -231,6 +251,7 @@ def main(arguments: Namespace, words: list[str]) -> None:
     check_new(archive, arguments.force)
     options.check_writable("--out", archive, archive.parent)
     archive.parent.mkdir(parents=True, exist_ok=True)
+    print(f"{len(SCENES)} scenes, their truth and its derivatives: half a minute", file=sys.stderr)
     pack(archive, replace=arguments.force)
     print(f"{archive}, {archive.stat().st_size / 1e6:.1f} MB: {len(SCENES)} scenes")
 

@@ -125,6 +125,7 @@ PARTS = {
     "solve": {"minimal", "augmented_integrator", "solver", "solution_check", "endings"},
     "narration": {"solve"},
     "laws_check": {"scales", "curvature_proof", "endings"},
+    "parameter_derivatives": {"certification", "solve"},
     "impulses": {"laws_check"},
     "solution_check": {"minimal", "solver", "laws_check", "endings"},
     "errata": {"paper", "solve"},

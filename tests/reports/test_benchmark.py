@@ -43,6 +43,9 @@ def test_the_archive_states_scenes_and_their_truth(unpacked):
     assert scene["effects"]["CoulombFriction"]["mu"] == 0.2 and not {"transitions", "status"} & set(scene)
     page = (unpacked / "index.html").read_text()
     assert "0.6300537639273031" in page and "x = 1.0*cos(s), y = 1.0*sin(s)" in page
+    rows = [row.split(",") for row in (unpacked / "derivatives.csv").read_text().splitlines()[1:]]
+    slope = next(row for row in rows if row[:5] == [LABELS[0], "mu", "", "slip_forward", "roll"])
+    assert float(slope[5]) == pytest.approx(-1.32111851, rel=1e-6) and float(slope[6]) < 1e-9
     assert {path.name for path in (unpacked / "readers").iterdir()} == set(MAKE)
 
 
