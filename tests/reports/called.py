@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import mmap
 import os
 import shutil
@@ -120,14 +119,6 @@ def whose(thing, number):
     return os.getpid()
 
 
-def meet(thing: str, own: str, other: str, folder: Path) -> int:
-    """Come back, with the process, when the call of the other name has begun: the two run at once."""
-    (folder / own).touch()
-    while not (folder / other).exists():
-        time.sleep(0.01)
-    return os.getpid()
-
-
 def group_of_rest(how: str) -> str | None:
     """The group of the worker that makes the rest of a call."""
     return worker.without_engines(own_group, how)
@@ -142,22 +133,3 @@ def grow(megabytes: int) -> int:
     """Keep so much memory, as a cache would; the process it is kept in."""
     kept.append(b"x" * (megabytes * 2**20))
     return os.getpid()
-
-
-def import_engines() -> int:
-    """Import what a timing of all solvers needs; the bytes by which the process grows."""
-    before = worker._resident()
-    for module in ("reference", "scipy.integrate", "heyoka", "exudyn", "pymunk"):
-        importlib.import_module(module)
-    return worker._resident() - before
-
-
-def prepared(number: int) -> tuple[int, bool]:
-    """The process that makes a call, and whether it has what a report's calls need."""
-    return os.getpid(), "reports.running.tasks" in sys.modules
-
-
-def waits(seconds: float, number: int) -> tuple[int, int]:
-    """Takes so long, and says in which process."""
-    time.sleep(seconds)
-    return os.getpid(), number

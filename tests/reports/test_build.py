@@ -2,16 +2,11 @@
 
 import errno
 import json
-import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
-import threading
-import time
 import unicodedata
-from html import escape
 from pathlib import Path
 
 import pytest
@@ -27,8 +22,6 @@ from reports.drawing import figure_files
 from reports.page import chapters, report_folder, text
 from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
-
-from .. import fake_adapter
 
 pytestmark = pytest.mark.builds
 
@@ -166,14 +159,6 @@ def test_tables_have_the_promised_columns(report):
         assert (report / "tables" / f"{name}.csv").read_text().splitlines()[0] == columns
 
 
-def test_reference_is_excellent_on_the_textbook_cases(report):
-    import pandas as pd
-
-    rows = pd.read_csv(report / "tables" / "trajectories.csv")
-    own = rows[rows["solver"] == "reference"]
-    assert len(own) >= 6 and set(own["grade"]) == {"excellent"}
-
-
 def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
     page = (report / "index.html").read_text()
     bare = re.sub(r"<(script|pre)\b.*?</\1>", "", page, flags=re.DOTALL)
@@ -261,73 +246,6 @@ def test_a_report_takes_the_place_of_an_older_one_and_runs_nothing_twice(report,
 # --- engines that fail ------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def failing(tmp_path_factory, without_figures):
-    """A report of an engine that fails in every way, one run killed from outside, and of one that is not installed."""
-    packages = tmp_path_factory.mktemp("packages")
-    out = packages / "report"
-    settings = ["wait 1", "nan", "never rolls", "gives up", "segfault", "until killed", "hang", "wait 2"]
-    fake_adapter.install(packages, settings)
-    fake_adapter.install(packages, settings, name="ghost", works=False)
-    killer = threading.Thread(target=kill_when_told, args=(packages / "pid",))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(packages)
-        patch.setattr(options, "RUN_SECONDS", {"default": 6.0})  # s: most of it is room for a busy machine
-        killer.start()
-        argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
-        with without_figures():
-            assert build.main([*argv, "--store", str(packages / "store")]) == 0
-        killer.join()
-    return out
-
-
-def kill_when_told(pid: Path) -> None:
-    """End a worker, and the one that makes its call once more."""
-    deadline, ended = time.monotonic() + 120.0, [""]
-    while len(ended) < 3:
-        assert time.monotonic() < deadline, "no worker came as far as being killed"
-        if pid.exists() and (output := pid.read_text()) not in ended:
-            os.kill(int(output), signal.SIGKILL)
-            ended.append(output)
-        time.sleep(0.02)
-
-
-FATES = {
-    "how=wait 1": ("answered", ""),
-    "how=nan": ("crashed", "not finite"),
-    "how=never rolls": ("answered", "another sequence of modes"),
-    "how=gives up": ("crashed", "Newton gave up"),
-    "how=segfault": ("crashed", "SIGSEGV"),
-    "how=until killed": ("crashed", "SIGKILL, from outside"),
-    "how=hang": ("timed_out", "still running after 6 s"),
-    "how=wait 2": ("timed_out", "not tried: how=hang had timed out"),
-}
-
-
-def test_every_failure_is_a_row_told_as_what_it_was(failing):
-    import pandas as pd
-
-    rows = pd.read_csv(failing / "tables" / "trajectories.csv", keep_default_na=False)
-    fake = {
-        row["setting"]: (row["outcome"], row["reason"]) for row in rows[rows["solver"] == "fake"].to_dict("records")
-    }
-    assert fake.keys() == FATES.keys()
-    for setting, (outcome, reason) in FATES.items():
-        assert fake[setting][0] == outcome and reason in fake[setting][1], fake[setting]
-    assert "ghost" not in set(rows["solver"])
-
-
-def test_a_report_of_failures_is_complete(failing):
-    output = json.loads((failing / "manifest.json").read_text())
-    assert holds(failing) == {*report_folder.of_report(failing).names(), LIST}
-    assert output["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
-    page = (failing / "index.html").read_text()
-    for _, reason in FATES.values():
-        assert escape(reason) in page
-    assert "no_such_engine" in page
-    assert "1 call was ended from outside twice (runs, disc_on_line[mu=0.1] fake" in page
-
-
 @pytest.mark.parametrize("in_clone", [True, False])
 def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it(in_clone, monkeypatch):
     monkeypatch.setattr(solvers, "in_clone", lambda: in_clone)
@@ -337,12 +255,6 @@ def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it(in_clone, 
     # Without the suite's own metadata nobody knows its extras.
     assert lines[2:] in ([], ['make report EXTRAS="box2d" adds it' if in_clone else "pip install pyb2d3 adds it"])
     assert solvers.missing_words({"fine": "1.0"}) == []
-
-
-def test_what_came_from_outside_is_not_kept(failing):
-    output = json.loads((failing / "manifest.json").read_text())
-    # Six settings came to an end of their own or to that of their time; one was killed, one not tried.
-    assert output["store"]["kept"]["run"] == 6 and output["store"]["taken"] == {}
 
 
 @pytest.mark.parametrize(("outcome", "status"), [("answered", 0), ("unsupported", 3), ("crashed", 3)])

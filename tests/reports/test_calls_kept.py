@@ -1,7 +1,5 @@
 """Which answers are kept, of which calls, and where calls are made: by a pool whose answers a test gives."""
 
-from dataclasses import replace
-
 import pytest
 
 import cases
@@ -9,7 +7,6 @@ from adapters.processes.worker import CallResult
 from reports.running import calls, solvers
 from reports.running.calls import Calls, StorePolicy
 from reports.running.storage.result_store import Store
-from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 
 pytestmark = pytest.mark.builds
 
@@ -59,15 +56,6 @@ def made(tmp_path):
         return found, pool, asked
 
     return make
-
-
-@pytest.mark.slow
-def test_answers_stand_in_the_order_of_the_calls_whichever_ends_first_and_wherever_from(made):
-    for hows in (("a", "b"), ("c", "a", "d", "b")):
-        found, _, _ = made(*hows)
-        assert [answer.value for answer in found] == list(hows)
-    found, pool, _ = made("d", "c", "b", "a")
-    assert [answer.value for answer in found] == ["d", "c", "b", "a"] and pool.made == []
 
 
 @pytest.mark.parametrize(
@@ -127,11 +115,6 @@ def test_code_function_and_arguments_decide(made, monkeypatch):
     assert made("b")[1].made == ["b"]
 
 
-def test_solvers_are_found_within_lists_and_tuples():
-    known = {"a", "b", "c"}.__contains__
-    assert solvers.named_in(("a", ["b", ("c", 1)], "other", 2), known) == {"a", "b", "c"}
-
-
 def test_each_engine_and_each_version_of_one_has_workers_of_its_own(monkeypatch):
     monkeypatch.setattr(solvers, "is_installed", lambda name: name not in ("gone", "away"))
     monkeypatch.setattr(solvers, "names", lambda: ("reference", "pymunk", "exudyn", "gone", "away"))
@@ -164,18 +147,3 @@ def test_a_cluster_makes_what_does_not_depend_on_the_machine(kind, there):
     asked._pool = Pool({})
     asked.all("work", work, [(LINE, "reference", "a")], keep=StorePolicy(kind) if kind else None)
     assert (asked.cluster.pool.made == ["a"]) == there and (asked._pool.made == ["a"]) == (not there)
-
-
-def test_what_is_timed_is_timed_here_one_at_a_time_and_shows_nothing():
-    asked = replace(Calls(3, cluster=Cluster(), progress=None), limit=7.0)
-    alone = asked.alone()
-    assert (alone.jobs, alone.cluster, alone.limit) == (1, None, 7.0) and alone.progress is calls.silent
-
-
-def test_every_step_is_booked_though_all_of_it_was_kept(tmp_path):
-    now = iter(PhaseTime(float(i), float(i)) for i in range(100))
-    for store in (Store(None), Store(tmp_path), Store(tmp_path)):
-        asked = Calls(1, store=store, versions={"reference": "1"}, times=PhaseTimes(lambda: next(now)))
-        asked._pool = Pool({})
-        asked.all("work", work, [(LINE, "reference", "a")], keep=StorePolicy())
-        assert list(asked.times.phases) == ["work"]

@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 
 import cases
-from cases import registry
-from cases.commands import TEMPLATE
 from cases.files.command_line import PROGRAMS
 from reports import cli
 
@@ -70,19 +68,6 @@ def test_advice_mentions_make_only_where_the_suite_runs_from_a_clone():
         for file in (root / room).rglob("*.py"):
             text = file.read_text()
             assert "in_clone()" in text or not re.search(r"\bmake (report|quick|test|check|docs|walk)\b", text), file
-
-
-@pytest.mark.slow
-def test_the_start_of_the_template_can_be_swept(tmp_path, monkeypatch, capsys, in_process):
-    pytest.importorskip("pyarrow")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
-    (tmp_path / "my_bowl.py").write_text(TEMPLATE.format(name="my_bowl"))
-    assert (
-        cli.main(["sweep", "my_bowl", "--vary", "xi1=-1.0,-0.5", "--vary", "mu=0.1,0.2", "--paper", "--jobs", "1"]) == 0
-    )
-    assert "4 scenarios of my_bowl" in capsys.readouterr().out
-    assert (tmp_path / "sweep" / "map.pdf").is_file()
 
 
 def test_the_citation_is_of_the_version_that_runs(capsys):

@@ -1,11 +1,9 @@
 """The clock: what is timed and what is not, in which order, until when, and what counts as disturbed."""
 
 import gc
-import statistics
 import time
-import weakref
 from functools import partial
-from itertools import cycle, groupby
+from itertools import groupby
 from math import isnan
 from types import SimpleNamespace
 
@@ -14,7 +12,6 @@ import pytest
 import cases
 from adapters import Setting
 from reports.running import solvers
-from reports.running.calls import Calls
 from reports.running.timing import clock
 from reports.running.timing.clock import ClockEntry, Contestant, Repeat
 
@@ -78,43 +75,6 @@ def test_contestants_take_turns(watch):
     assert turns[:9] == list("abcabcabc")
 
 
-def test_cheap_contestants_are_seen_beside_all_of_a_dear_one(watch):
-    order: list[str] = []
-    unlike = cycle((1.0, 1.5, 2.0, 2.5))  # so that no median is known soon
-
-    def run(name: str, seconds: float, model) -> None:
-        order.append(name)
-        watch.spend(seconds * next(unlike))
-
-    who = {"cheap": 0.001, "dear": 0.06, "costly": 0.08}
-    clock.take_turns([entry(name, run=partial(run, name, s)) for name, s in who.items()], watch.wall + 3.0)
-    turns = [name for name, _ in groupby(order)]
-    assert turns.count("cheap") >= turns.count("dear") + turns.count("costly") - 2
-    assert turns.count("dear") >= 5 and "dear costly" not in " ".join(turns[2:])
-
-
-def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(watch):
-    built, ran = [], []
-
-    def build():
-        built.append(object())
-        return built[-1]
-
-    one = entry("short", build, ran.append)
-    clock.take_turns([one], watch.wall + 0.5)
-    assert len(ran) == len(built) == len(set(map(id, built)))
-    assert len(ran) >= clock._ROW_RUNS * len(one.repeats)
-
-
-@pytest.mark.parametrize("seconds, thrown_away", [(0.02, 1), (0.04, 0)])
-def test_long_runs_are_run_once_a_repeat(watch, seconds, thrown_away):
-    ran: list[str] = []
-    one = entry("long", run=watch.work(seconds, partial(ran.append, "")))
-    clock.take_turns([one], watch.wall + 0.5)
-    # The very first is thrown away where lazy imports might weigh in it.
-    assert len(ran) == len(one.repeats) + thrown_away
-
-
 def test_interval_is_of_the_extremes_while_there_are_few_and_of_the_deciles_then():
     assert all(isnan(end) for end in clock.interval([1.0, 2.0]))
     assert clock.interval([3.0, 1.0, 2.0]) == (1.0, 3.0)
@@ -141,16 +101,6 @@ def test_row_with_too_few_undisturbed_repeats_is_marked():
     assert not clock.timing(repeated(quiet(1.0), quiet(1.0)), LOOP).disturbed
 
 
-def test_a_short_boost_of_the_clock_disturbs_nobody(watch, monkeypatch):
-    # One loop in twenty is half as long as the others.
-    loops = iter([0.5 * LOOP if i % 20 == 0 else LOOP for i in range(100_000)])
-    monkeypatch.setattr(clock, "calibrate", lambda: next(loops))
-    one = entry("x", run=watch.work(1e-3))
-    undisturbed = clock.take_turns([one], watch.wall + 0.3)
-    assert undisturbed == LOOP
-    assert not clock.timing(one, undisturbed).disturbed
-
-
 # 1e-4 s: sixteen at most in a row, of which each is a tenth of a millisecond.
 @pytest.mark.parametrize("run", [1e-4, 5e-3, 0.04])
 def test_each_part_of_a_call_is_its_own_cpu_time(watch, run):
@@ -164,37 +114,6 @@ def test_what_the_first_build_compiles_is_apart_from_the_set_up(watch):
     once = iter([0.5])
     found = timed(watch, entry(build=lambda: watch.spend(next(once, 0.03)), run=works(watch, 0.04)))
     assert (found.setup_s, found.compile_s) == pytest.approx((0.03, 0.47), rel=1e-4)
-
-
-def test_samples_that_are_made_when_they_are_asked_for_belong_to_reading(watch):
-    class Motion:
-        @property
-        def t(self):
-            watch.spend(0.02)
-
-    assert timed(watch, entry(run=works(watch, 0.04), read=lambda model: Motion())).read_s == pytest.approx(0.02)
-
-
-def test_reading_is_known_by_the_median_of_three(watch):
-    seconds = iter([0.02, 0.5, 0.03])
-    found = timed(watch, entry(run=works(watch, 0.04), read=lambda model: watch.spend(next(seconds))))
-    assert found.read_s == pytest.approx(0.03)
-
-
-def test_a_short_run_after_cold_caches_is_no_part_of_a_repeat(watch, monkeypatch):
-    """Whatever ran before (here the calibration) left the caches to itself: the first short run pays for that."""
-    cold = [True]
-
-    def calibrate() -> float:
-        cold[0] = True
-        return LOOP
-
-    def run(model) -> None:
-        watch.spend(5e-3 if cold[0] else 1e-4)
-        cold[0] = False
-
-    monkeypatch.setattr(clock, "calibrate", calibrate)
-    assert timed(watch, entry(run=run)).cpu_s == pytest.approx(1e-4, rel=1e-3)
 
 
 def test_no_garbage_is_collected_on_the_clock_and_it_is_again_afterwards(watch):
@@ -213,21 +132,6 @@ def test_what_an_engine_started_is_gone_before_the_next_repeat(watch, monkeypatc
     monkeypatch.setattr(clock, "reap", lambda: order.append("reap"))
     timed(watch, entry(run=watch.work(0.04, lambda: order.append("run"))))
     assert order == ["run", "reap"] * (len(order) // 2) and len(order) >= 6
-
-
-def test_models_of_a_repeat_are_gone_after_it(watch):
-    class Model:
-        pass
-
-    models: list[weakref.ref] = []
-
-    def build() -> Model:
-        assert not any(model() for model in models), "a model outlived its repeat"
-        models.append(weakref.ref(model := Model()))
-        return model
-
-    timed(watch, entry(build=build, run=works(watch, 0.04)))
-    assert len(models) >= 3
 
 
 @pytest.mark.parametrize("slow", ["before", "after"])
@@ -267,12 +171,6 @@ def test_neighbours_are_seen_when_they_take_all_other_cores(monkeypatch, running
     monkeypatch.setattr(clock, "Path", lambda name: loads)
     monkeypatch.setattr(clock.os, "cpu_count", lambda: cores)
     assert clock.neighbours() == seen
-
-
-@pytest.mark.parametrize("text", ["", "0.1 0.2", "0.1 0.2 0.3 many/500 1"])
-def test_where_the_load_is_not_told_nobody_is_seen(monkeypatch, text):
-    monkeypatch.setattr(clock, "Path", lambda name: SimpleNamespace(read_text=lambda: text))
-    assert clock.neighbours() is False
 
 
 def test_all_are_timed_cheapest_first_each_route_imported_before(watch, monkeypatch):
@@ -326,33 +224,6 @@ def test_what_fails_or_does_not_fit_says_so_under_its_own_name(watch, monkeypatc
     assert watch.wall < began + 3.1
 
 
-def test_no_more_repeats_than_the_most_are_taken(watch):
-    """Of a run that is never known well enough, with all the time in the world."""
-    seconds = iter([0.04, 0.1] * 1000)
-    one = entry(run=lambda model: watch.spend(next(seconds)))
-    timed(watch, one, 1000.0)
-    assert len(one.repeats) == clock.MOST_REPEATS
-
-
-@pytest.mark.timed
-def test_a_neighbour_is_seen():
-    import subprocess
-    import sys
-    from pathlib import Path
-
-    if not Path("/proc/loadavg").exists():
-        pytest.skip("only Linux reports the load")
-    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(clock.os.cpu_count() or 1)]
-    try:
-        time.sleep(0.5)
-        seen = [clock.neighbours() for _ in range(20)]
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
-    assert statistics.fmean(seen) > 0.5
-
-
 def test_reference_is_timed_without_its_sampling():
     case = cases.load("disc_on_line", mu=0.1)
     module = solvers.solver("reference")
@@ -362,41 +233,3 @@ def test_reference_is_timed_without_its_sampling():
     segments, *_ = model.solution
     assert segments and not any(isinstance(part, cases.Trajectory) for part in model.solution)
     assert module.read(model).transitions[0].time == pytest.approx(1.0 / (3 * 0.1 * 9.81), abs=1e-12)
-
-
-def ratios(timings) -> dict[tuple, tuple[float, float, float]]:
-    """Of each pair, the CPU time of the one over the other's: least, middle, greatest."""
-    found = {}
-    for a, one in timings.items():
-        for b, other in timings.items():
-            if a < b:
-                low, high = one.cpu_low_s / other.cpu_high_s, one.cpu_high_s / other.cpu_low_s
-                found[a, b] = low, one.cpu_s / other.cpu_s, high
-    return found
-
-
-@pytest.mark.timed
-@pytest.mark.slow
-def test_two_passes_rank_alike_and_agree_within_their_intervals():
-    """Each pass in a process of its own, as in two builds. A test of the machine as well: it must be quiet."""
-    who = []
-    for name in ("reference", "pymunk"):
-        module = solvers.solver(name)
-        for route in module.routes:
-            who += [Contestant(LINE, name, route, s, 0.05) for s in module.ladder(LINE, route)[:3]]
-    passes = []
-    for _ in range(2):
-        with Calls(1) as calls:
-            (answer,) = calls.all("timings", clock.time_all, [(who, 20.0)])
-        passes.append({(*one[1:3], str(one[3])): answer.value[one.key][0] for one in who})
-    if any(timing.disturbed or isnan(timing.cpu_low_s) for timings in passes for timing in timings.values()):
-        pytest.skip("the machine was disturbed")
-    first, second = (ratios(timings) for timings in passes)
-    assert first.keys() == second.keys() and len(first) >= 15
-    for pair, (low, _, high) in first.items():
-        again_low, _, again_high = second[pair]
-        # No pair is ordered one way in one pass and the other way in the other.
-        assert not (high < 1.0 < again_low or again_high < 1.0 < low), pair
-    # Of ten passes two by two 99.9 % of all pairs agreed, and in the worst two 97 %.
-    agree = [low <= second[pair][2] and second[pair][0] <= high for pair, (low, _, high) in first.items()]
-    assert statistics.fmean(agree) >= 0.95

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 import operator
 import os
-import re
 import time
-from pathlib import Path
 
 import pytest
 
@@ -131,19 +129,3 @@ def test_a_worker_that_differs_is_left_out_and_the_reason_told(loopback, tmp_pat
     with pytest.raises(NoWorkers, match=f"no worker at .* is suitable: .*{words}"):
         list(machines.run(math.sqrt, [(4.0,)]))
     assert words in capsys.readouterr().err
-
-
-def test_the_batch_system_of_the_docs_gets_the_job_they_tell(monkeypatch):
-    """Nothing is submitted: there is no such system here."""
-    jobqueue = pytest.importorskip("dask_jobqueue", reason="dask-jobqueue is not part of the suite")
-    page = (Path(__file__).parents[2] / "docs" / "cluster.md").read_text(encoding="utf-8")
-    (code,) = (code for code in re.findall(r"```python\n(.*?)```", page, flags=re.S) if "dask_jobqueue" in code)
-    scaled = []
-    monkeypatch.setattr(jobqueue.SLURMCluster, "scale", lambda self, jobs: scaled.append(jobs))
-    names: dict = {}
-    exec(code, names)
-    script, address = names["cluster"].job_script(), names["cluster"].scheduler_address
-    names["cluster"].close()
-    assert scaled[-1] == 8 and f"dask_worker {address} " in script
-    for words in ("--cpus-per-task=16", "--mem=30G", "-t 04:00:00", "--nthreads 1", "--nworkers 16"):
-        assert words in script and words.removeprefix("-t ").removeprefix("04:00:00") in page

@@ -68,26 +68,6 @@ def test_build_run_and_read_are_cpu_seconds_of_each_and_the_call_is_all_of_them(
     assert (found.repeats, found.disturbed) == (cold_start.LEAST_REPEATS, False)
 
 
-def test_samples_that_are_made_when_they_are_asked_for_belong_to_reading(here, monkeypatch):
-    class Motion:
-        @property
-        def t(self):
-            here.spend(READ)
-
-    engine(monkeypatch, here.engine(BUILD, RUN, 0.0, read=lambda model: Motion()))
-    assert first_call(*who(1.0)).read_s == pytest.approx(READ)
-
-
-def test_it_is_the_median_of_three(here, monkeypatch):
-    seconds = {"build": iter([70.0, 1.0, 9.0, 2.0]), "run": iter([70.0, 6.0, 5.0, 50.0])}  # first the one for imports
-    adapter = here.engine(BUILD, RUN, READ)
-    adapter.build = lambda case, route, setting: here.spend(next(seconds["build"])) or SimpleNamespace(cost=1.0)
-    adapter.run = lambda model: here.spend(next(seconds["run"]))
-    engine(monkeypatch, adapter)
-    found = first_call(*who(1.0))
-    assert (found.build_s, found.run_s) == pytest.approx((2.0, 6.0))
-
-
 @pytest.mark.parametrize("slow", [0, 1])
 def test_a_call_with_a_slow_loop_before_or_after_it_is_disturbed(here, monkeypatch, slow):
     """Of three calls the second is, and takes twice as long: it has no part in the medians."""
@@ -98,24 +78,6 @@ def test_a_call_with_a_slow_loop_before_or_after_it_is_disturbed(here, monkeypat
     engine(monkeypatch, adapter)
     found = first_call(*who(1.0))
     assert (found.run_s, found.repeats, found.disturbed) == (pytest.approx(RUN), 2, False)
-
-
-def test_where_each_call_of_a_contestant_is_disturbed_its_row_is_marked(here, monkeypatch):
-    """By the loops of the others."""
-    now = ["quiet"]
-    monkeypatch.setattr(cold_start, "calibrate", lambda: {"quiet": LOOP, "loud": 2 * LOOP}[now[0]])
-    adapter = here.engine(BUILD, RUN, READ)
-    build = adapter.build
-
-    def built(case, route, setting):
-        now[0] = "loud" if setting["cost"] == 2.0 else "quiet"
-        return build(case, route, setting)
-
-    adapter.build = built
-    engine(monkeypatch, adapter)
-    found = cold_start.first_calls(who(1.0, 2.0), 1000.0)
-    assert [value.disturbed for value, _ in found.values()] == [False, True]
-    assert [value.repeats for value, _ in found.values()][1] == cold_start.LEAST_REPEATS
 
 
 # --- in which order, for how long -------------------------------------------------------------------------------------

@@ -11,10 +11,8 @@ import reference
 from adapters.common import motion_file, motion_table
 from adapters.lookup import engine as adapter_of
 from cases import registry
-from cases.curves.chain import Chain
 from reports import compare, export
 from reports.judging import diagnosis, residuals
-from reports.running import external_motions, tasks
 
 pytestmark = [pytest.mark.builds, pytest.mark.taylor]
 
@@ -267,32 +265,6 @@ def test_roundings_of_a_plate_that_turns_on_the_spot_are_no_mistake(monkeypatch)
     assert not diagnosis.pose_mistake(case, columns, true)
 
 
-@pytest.mark.parametrize(
-    ("column", "unit", "factor"),
-    [
-        ("x", "millimetres", 1e3),
-        ("x", "inches", 1 / 0.0254),
-        ("t", "minutes", 1 / 60),
-        ("theta", "degrees", 180 / np.pi),
-    ],
-)
-def test_another_unit_is_asked_about_and_unusable(tmp_path, capsys, column, unit, factor):
-    name = "disc_on_line[mu=0.3]"  # it starts where x, t and theta are zero: nothing else tells the unit
-    frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
-    status, text, _ = judged(tmp_path, capsys, frame.assign(**{column: factor * frame[column]}), name)
-    assert status == 0 and ": unusable;" in text
-    assert f"{column} seems to be in {unit}" in text
-    assert "seems" not in judged(tmp_path, capsys, frame, name)[1]
-
-
-def test_axis_that_is_mirrored_about_the_start_is_noticed(tmp_path, capsys):
-    name = "disc_on_line[mu=0.1]"
-    frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
-    status, text, _ = judged(tmp_path, capsys, frame.assign(x=-frame.x, theta=-frame.theta), name)
-    assert status == 0
-    assert "x and theta seem to be mirrored" in text
-
-
 def test_energy_that_grows_is_told(tmp_path, capsys):
     # Little friction, so that four percent too much speed is more than what it takes.
     name = "disc_in_circle[mu=0.01]"
@@ -346,39 +318,6 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     assert np.mean(np.isnan(output.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
     assert residuals.broken_laws(case, output, gap) == []
-
-
-# Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
-FLIGHTS = {"bouncing_disc[e=0.5]": 4, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
-EVERY = [case.label for name in cases.names(hard=False) for case in cases.select(name)]
-
-
-@pytest.mark.parametrize(
-    "label", [*FLIGHTS, *(pytest.param(n, marks=pytest.mark.slow) for n in EVERY if n not in FLIGHTS)]
-)
-def test_the_true_motion_as_it_is_exported_is_excellent(tmp_path, label):
-    case = cases.load(label)
-    names, rows = export.motion(export.true_motion(case))
-    np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
-    run = external_motions.judge_motion(
-        external_motions.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case)
-    )
-    # Phases that begin or end between two samples leave a doubt, which is small.
-    assert run.grade == "excellent" or run.score.off <= run.score.doubt <= 0.012, run.reason
-    short = [row for row in run.ledger if row.pairing == "unresolved"]
-    if label in FLIGHTS:
-        assert len(short) == FLIGHTS[label]
-    # Only what is shorter than two and a half samples: hops, and several contacts that a plate rocking to rest touches
-    # with in turn.
-    assert all(row.contact or row.before is row.after is cases.Mode.FLIGHT for row in short)
-    # Bouncing ends between two samples: the last rebounds are too short to be seen. All else is read by extrapolation,
-    # but for contacts of corners and several contacts, whose opening is the first sample with a gap.
-    step = case.duration / (len(rows) - 1)
-    corners = any(isinstance(curve, Chain) for curve in (case.track, case.plate.outline))
-    for row in run.ledger:
-        if row.pairing == "paired":
-            landed = row.before is cases.Mode.FLIGHT is not row.after
-            assert abs(row.error) < (step if landed or corners or row.contact else 1e-5), row
 
 
 def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():

@@ -71,14 +71,6 @@ def test_an_older_report_is_read_with_a_note(report, tmp_path, capsys):
     assert "A has the older format 1" in out and "truth, disc_on_line[mu=0.1], 1: time 0.35 | 0.34" in out
 
 
-def test_a_table_of_one_report_only_is_named(report, tmp_path, capsys):
-    other = changed(report, tmp_path, "truth", "time", "0.34")
-    (other / "tables" / "verdict.csv").unlink()
-    assert compare_builds.main([str(report), str(other)]) == 0
-    text = capsys.readouterr().out
-    assert "B has no table verdict: not compared" in text and "A has no table" not in text
-
-
 @pytest.mark.parametrize(
     "table, column",
     [
@@ -96,11 +88,6 @@ def test_an_accuracy_that_changed_is_told_with_its_row(table, column, report, tm
     assert (difference.table, difference.column, difference.other) == (table, column, "0.125")
     assert difference.row == "a, native" if table == "verdict" else CASE in difference.row
     assert difference.row in capsys.readouterr().out
-
-
-def test_times_of_another_day_are_no_difference(report, tmp_path):
-    other = changed(report, tmp_path, "trajectories", "cpu_s", "17.0", lambda frame: frame.index >= 0)
-    assert compare_builds.compare(report, other).same
 
 
 def test_a_row_that_is_missing_is_told(report, tmp_path):
@@ -129,12 +116,6 @@ def test_ratios_differ_only_outside_both_intervals(report, tmp_path):
 def test_a_level_changes_where_the_accuracy_does(word, counts, report, tmp_path):
     other = changed(report, tmp_path, "time_to_accuracy", "reached", word)
     assert len(compare_builds.compare(report, other).levels) == counts
-
-
-def test_ranks_that_changed_are_told(report, tmp_path):
-    other = changed(report, tmp_path, "time_to_accuracy", "rank", "1.0", lambda frame: frame.solver == "b")
-    ((table, _, column, one, two),) = compare_builds.compare(report, other).ranks
-    assert (table, column, one, two) == ("time_to_accuracy", "rank", 2.0, 1.0)
 
 
 @pytest.mark.slow

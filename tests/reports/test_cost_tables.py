@@ -7,13 +7,12 @@ import re
 from contextlib import redirect_stdout
 from dataclasses import replace
 from html import unescape
-from math import nan
 
 import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, number_format, verdict_text, which_engine
+from reports.analysis import columns, cost_conclusions, verdict_text, which_engine
 from reports.judging.grades import LEVELS
 from reports.page import dictionary, text
 from reports.running import solvers
@@ -195,29 +194,3 @@ def test_a_column_without_words_is_not_written(tmp_path):
     frame = pd.DataFrame([{"case": "c", "secret": 1.0}])
     with pytest.raises(ValueError, match="no description of secret in the table t"):
         dictionary.write({"t": frame}, {"t": columns.Table("t", {"case": "the case"})}, tmp_path, "make it")
-
-
-# --- numbers for people -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "value, output",
-    [
-        (0.17, "170 ms"), (0.5, "0.5 s"), (3.4e-4, "340 µs"), (9.996e-4, "1 ms"), (0.4499, "450 ms"), (1.0, "1 s"),
-        (2.46, "2.5 s"), (99.6, "100 s"), (1234.0, "1,200 s"), (nan, "unknown"), (0.0, "0 µs"),
-    ],
-)  # fmt: skip
-def test_times_are_told_with_two_digits_and_no_power_of_ten(value, output):
-    assert number_format.seconds(value) == output
-
-
-@pytest.mark.parametrize(
-    "value, output",
-    [(660.3, "660 ×"), (1560.0, "1,600 ×"), (9.96, "10 ×"), (0.29, "0.29 ×"), (8.04, "8 ×"), (0.3, "0.3 ×")],
-)
-def test_ratios_are_told_with_two_digits_and_no_power_of_ten(value, output):
-    assert number_format.times(value) == output
-
-
-def test_levels_are_written_shortly():
-    assert [number_format.level(a) for a in (1e-2, 1e-4, 1e-12)] == ["0.01", "1e-4", "1e-12"]

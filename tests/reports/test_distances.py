@@ -7,8 +7,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, Gravity, State, Trajectory, Unilateral
-from cases.motion import mechanics
+from cases import Trajectory
 from reports.judging import distances
 from tests.scenes.motions import sampled
 
@@ -87,37 +86,3 @@ def test_a_force_told_for_a_few_samples_is_not_told(exact):
 
     assert scored(3) == pytest.approx(1.0 / np.abs(state.normal_force).mean())
     assert np.isnan(scored(60))
-
-
-def test_energy_is_kept_without_friction_and_lost_with_it():
-    rough = cases.load("disc_in_circle", mu=0.1)
-    free = Case(rough.track, rough.plate, (rough.effect(Gravity), Unilateral()), rough.start, rough.duration)
-    kept = mechanics.energy(free, sampled(reference.simulate(free, rtol=1e-12), 100))
-    assert np.ptp(kept) <= 1e-10  # of about 9 J turned over, at rtol 1e-12
-    lost = mechanics.energy(rough, sampled(reference.simulate(rough, rtol=1e-12), 100))
-    assert np.all(np.diff(lost) < 1e-12) and lost[0] - lost[-1] > 1.0
-
-
-def test_energy_without_gravity_is_kinetic():
-    case = cases.load("disc_on_line", mu=0.1)
-    weightless = Case(
-        case.track, case.plate, tuple(e for e in case.effects if not isinstance(e, Gravity)), case.start, 1.0
-    )
-    zero = np.zeros(5)
-    moving = State(zero, zero, zero, zero + 3.0, *7 * (zero,))
-    assert mechanics.energy(weightless, moving) == pytest.approx(4.5)
-
-
-def test_what_contacts_share_is_taken_from_the_whole_motion_only_at_the_same_times():
-    case = cases.load("row_of_discs")
-    truth = reference.simulate(case, method="dop853")
-    motion = reference.simulate(case, rtol=1e-4, method="dop853")
-    name = truth.contact_names[0]
-    one, exact = motion.of(name), truth.of(name)
-    alone, whole = distances.differences(one, exact, case), distances.differences(motion, truth, case)
-    earlier = {key: values[:-1] for key, values in whole.items()}
-    for known in (whole, earlier):
-        joined = distances.differences(one, exact, case, known)
-        assert joined.keys() == alone.keys()
-        for key, values in alone.items():
-            np.testing.assert_array_equal(joined[key], values, key)

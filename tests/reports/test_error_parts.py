@@ -100,11 +100,6 @@ def test_failed_run_is_a_row_and_no_advice():
     assert output(cells, 4.0, 10)["turn_next"] == "all"
 
 
-def test_refused_route_is_one_row_with_its_reason():
-    [row] = rows_of([ErrorCell("case", "engine", "native", Setting.of(), "unsupported", "No such curve.")])
-    assert (row["outcome"], row["reason"]) == ("unsupported", "No such curve.")
-
-
 def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
     case = cases.load("disc_sliding_off_hill")
 
@@ -150,35 +145,6 @@ def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
     assert row["makes_worse"] == "facets" and row["turn_next"] == "h"
 
 
-def test_penalty_is_the_model_part_of_the_first_transition_and_regularisation_is_not():
-    # A sliding disc never meets the regularised part of the friction law before its slip ends.
-    case = cases.load("disc_in_circle", mu=0.1)
-    cells = cells_of(case, "exudyn", "native", lambda s: True)
-    grid = Grid(cells)
-    parts = error_parts.parts(grid, (2, 0, 0), "first_transition_time")
-    assert parts.parameter_parts["k"] == pytest.approx(parts.model_part, rel=1e-3)
-    assert abs(parts.parameter_parts["vreg"]) < 1e-3 * parts.model_part
-    # C/k with C of 40 to 60 s N/m.
-    assert parts.model_part * grid.levels[grid.parameters.index("k")][0] == pytest.approx(50.0, rel=0.2)
-    assert error_parts.advice(grid, (2, 0, 0), "first_transition_time") == ("k", "")
-
-
-@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
-def test_grid_is_every_combination_from_coarse_to_fine(name):
-    adapter = pytest.importorskip(f"adapters.{name}")
-    for label in ("disc_in_circle[mu=0.1]", "disc_on_line[mu=0.1]", "disc_sliding_off_hill", "ellipse_on_hill"):
-        [case] = cases.select(label)
-        for route in adapter.routes:
-            if adapter.refuses(case, route):
-                continue
-            settings = adapter.grid(case, route)
-            grid = Grid([ErrorCell(label, name, route, setting, "answered") for setting in settings])
-            assert grid.parameters[0] == "h" and len(grid.parameters) >= 2
-            assert len(set(settings)) == len(settings) == np.prod([len(levels) for levels in grid.levels])
-            assert grid.place(settings[0]) == (0,) * len(grid.parameters) and grid.place(settings[-1]) == grid.finest
-            assert list(grid.levels[0]) == sorted(grid.levels[0], reverse=True)
-
-
 # --- the command -----------------------------------------------------------------------------------------------------
 
 
@@ -193,19 +159,3 @@ def test_command_writes_a_row_for_every_setting_and_says_what_each_parameter_cha
     assert re.search(r"pymunk native in disc_on_line\[mu=0.1\]: [\d.]+ % off; h \S+ to \S+: ÷ [\d.,]+;", said)
     lines = (out / "error_parts.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + 2 * 16 * len(error_parts.QUANTITIES)
-
-
-def test_command_tells_an_unknown_name_before_anything_runs(capsys):
-    assert study.main(["error_parts", "--solver", "pymonk"]) == 2
-    assert "pymunk" in capsys.readouterr().err
-    assert study.main(["error_parts", "--case", "disc_in_circel"]) == 2
-    assert "disc_in_circle" in capsys.readouterr().err
-
-
-def test_study_takes_executables_and_rejects_a_file_that_is_none(tmp_path, capsys):
-    file = tmp_path / "engine.txt"
-    file.write_text("no program")
-    assert study.main(["error_parts", "--engine", str(file), "--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.strip() == (
-        f"reports.study: the engine {file} is no executable file; give one (chmod +x {file})"
-    )

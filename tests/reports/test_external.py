@@ -11,11 +11,10 @@ import pytest
 
 import cases
 import reference
-from adapters import Setting
 from reports import build
 from reports.analysis.convergence import convergence_rows
 from reports.running import external_motions, tasks
-from reports.running.records import Experiment, Run, Truth
+from reports.running.records import Experiment, Truth
 from reports.running.timing import timed_pass
 
 pytestmark = pytest.mark.builds
@@ -82,15 +81,6 @@ def nothing_yet() -> Experiment:
     return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, (), 0.0)
 
 
-def test_trajectory_that_ends_early_has_a_bad_grade(tmp_path, motion, nothing_yet):
-    short = tmp_path / "short.csv"
-    motion.iloc[:300].to_csv(short, index=False)
-    joined = external_motions.join_external(nothing_yet, external_motions.from_options([f"mine={short}"], [CASE], ()))
-    (run,) = joined.runs
-    assert run.grade in ("poor", "unusable") and "ends at" in run.reason
-    assert [row.pairing for row in run.ledger] == ["missed"]
-
-
 def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motion, nothing_yet):
     files = []
     for step in (16, 8, 4, 2):
@@ -104,18 +94,6 @@ def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motio
     ]  # fmt: skip
     (row,) = [r for r in convergence_rows(joined) if r["quantity"] == "first_transition_time"]
     assert row["order"] == pytest.approx(1.0, abs=0.1)
-
-
-def test_runs_stand_after_those_of_their_case(file, nothing_yet):
-    other = cases.load("disc_on_line", mu=0.3)
-    runs = tuple(Run(case.label, "pymunk", "native", Setting.of(), 1, "crashed") for case in (CASE, other))
-    found = replace(nothing_yet, cases=(CASE, other), runs=runs)
-    joined = external_motions.join_external(
-        found, external_motions.from_options([f"mine@{LABEL}={file}"], [CASE, other], ())
-    )
-    assert [(run.case, run.solver) for run in joined.runs] == [
-        (LABEL, "pymunk"), (LABEL, "mine"), (other.label, "pymunk"),
-    ]  # fmt: skip
 
 
 def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):

@@ -2,7 +2,6 @@
 
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import replace
 from math import nan
 
 import matplotlib
@@ -18,9 +17,8 @@ from cases.pictures.style import apply_style
 from reference.sweeping import plan
 from reports.analysis.verdict import SceneOffs
 from reports.drawing import figures, matplotlib_writer, svg_writer
-from reports.drawing.figure_files import save
-from reports.drawing.style import STYLE, LineStyles, logarithmic
-from reports.drawing.traces import Diagram, Panel, PlotAxis, PlotScale, Trace, apart
+from reports.drawing.style import STYLE, LineStyles
+from reports.drawing.traces import Diagram, Panel, PlotAxis, Trace
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
@@ -80,14 +78,6 @@ def test_the_headline_has_default_settings_and_not_the_finest():
     assert near.x.low < EVENT.time < EVENT.time + 0.04 < near.x.high < 1.0
     assert max(errors.traces[0].y) == pytest.approx(0.04)
     assert len(figures.with_defaults(experiment(run(Setting.of(file="mine.csv"), 0.01)), CASE.label)) == 1
-
-
-def test_words_of_modes_are_those_of_the_first_contact_and_a_plate_that_does_not_turn_sticks():
-    words = [span.name for span in figures.headline(experiment(run(DEFAULT, 0.1)), CASE).rows[0][0].spans]
-    assert words == ["slip v > 0", "sticks"]
-    turning = replace(truth(), samples=truth().samples | {"theta": TIMES})
-    turns = replace(experiment(run(DEFAULT, 0.1)), truths={CASE.label: turning})
-    assert figures.headline(turns, CASE).rows[0][0].spans[1].name == "rolls"
 
 
 def test_a_pile_of_discs_has_the_modes_of_the_contact_whose_slip_is_drawn():
@@ -160,32 +150,6 @@ def test_a_line_is_interrupted_where_there_is_no_value_and_where_it_leaves_the_a
     assert path.count("M") == 3 and "nan" not in path
 
 
-def test_labels_are_moved_apart_and_stay_within_their_panel():
-    places = apart([0.5, 0.5, 0.98, 0.99], 0.1, 0.0, 1.0)
-    assert all(b - a >= 0.1 - 1e-12 for a, b in zip(sorted(places)[:-1], sorted(places)[1:], strict=True))
-    assert min(places) >= 0.0 and max(places) <= 1.0
-
-
-@pytest.mark.parametrize(
-    ("axis", "values", "texts"),
-    [
-        (PlotAxis(is_log=True, is_percent=True), [2e-4, 0.3], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"]),
-        (PlotAxis(is_log=True), [3e-5, 2e-3], ["1e-5", "1e-4", "0.001", "0.01"]),
-        (PlotAxis(), [0.0, 2.5], ["0", "0.5", "1", "1.5", "2", "2.5"]),
-    ],
-)
-def test_ticks_are_powers_of_ten_or_round_numbers(axis, values, texts):
-    assert [text for _, text in PlotScale(axis, values, 0.0, 1.0).ticks()] == texts
-
-
-def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths(tmp_path):
-    figure, ax = plt.subplots()
-    ax.pcolormesh(np.arange(21.0), np.arange(21.0), np.arange(400.0).reshape(20, 20), rasterized=True)
-    save(figure, tmp_path, "map", "", "", "")
-    svg = (tmp_path / "map.svg").read_text()
-    assert svg.count("<image ") == 1 and svg.count("<path") < 50
-
-
 @pytest.mark.parametrize(
     ("curve", "unit"),
     [
@@ -212,13 +176,3 @@ def test_a_curves_parameter_is_in_radians_only_if_it_is_an_angle(curve, unit):
 def test_a_map_labels_an_axis_by_the_unit_of_its_parameter(case, parameter, label):
     low = {"xi1": -0.9}.get(parameter, 0.05)
     assert parameter_label(plan(case, {parameter: [low, low + 0.03, low + 0.06]}), parameter) == label
-
-
-def test_an_axis_of_less_than_two_decades_has_ticks_between_the_powers():
-    _, ax = plt.subplots()
-    logarithmic(ax, "x")
-    ax.set_xlim(0.02, 0.9)
-    texts = [ax.xaxis.get_major_formatter()(tick) for tick in ax.get_xticks() if 0.02 <= tick <= 0.9]
-    assert texts == ["0.02", "0.05", "0.1", "0.2", "0.5"]
-    ax.set_xlim(1e-6, 1.0)
-    assert all(text.startswith(("10", "1", "0.1")) for text in map(ax.xaxis.get_major_formatter(), ax.get_xticks()))

@@ -90,11 +90,6 @@ def test_every_case_of_the_catalogue_can_be_told_from_every_other():
     assert None not in output and len(set(output)) == len(output)
 
 
-def test_words_in_a_case_file_decide_nothing(tmp_path, monkeypatch):
-    before = run_key(written(tmp_path, monkeypatch))
-    assert before == run_key(written(tmp_path, monkeypatch, docstring="A disc, bowled."))
-
-
 def test_a_key_tells_solver_route_setting_versions_and_truth():
     case = cases.load("disc_on_line")
     keys = [
@@ -194,10 +189,6 @@ def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
     assert digests[0] != digests[1]
 
 
-def test_where_a_version_is_not_known_nothing_is_kept():
-    assert run_key(cases.load("disc_on_line"), versions={"pymunk": ""}) is None
-
-
 def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engine():
     ours = source_code.dependency_files("adapters.pymunk", ()).keys()
     assert {"adapters.pymunk", "adapters.pymunk.native", "adapters.interface", "cases.contact"} <= ours
@@ -244,13 +235,6 @@ def test_code_includes_all_that_a_module_imports(module):
     """Directly or not, except for methods that draw, and for adapters, which have keys of their own."""
     reachable = {name for name in reached(module, import_graph()) if "." in name} - {"cases.catalogue"}
     assert reachable <= source_code.dependency_files(module, ()).keys()
-
-
-def test_a_study_that_loads_a_case_by_name_depends_on_the_catalogue():
-    files = source_code.dependency_files("reports.studies.stability", ())
-    assert "cases.catalogue.paper" in files
-    assert not any(name.startswith("reports.studies.error_parts") for name in files)
-    assert "cases.catalogue.paper" not in source_code.dependency_files("reports.running.tasks", ())
 
 
 def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypatch):

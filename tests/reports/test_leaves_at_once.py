@@ -37,12 +37,6 @@ def test_the_reference_says_that_it_flies_from_the_first_instant():
     assert reference.simulate(over_the_top(3.2849)).first_mode == Mode.SLIP_FORWARD
 
 
-def test_a_sweep_says_the_same():
-    rows = reference.sweep(lambda speed=4.0: over_the_top(speed), speed=[3.0, 4.0])
-    assert rows.sequence.to_list() == ["slip_forward>flight", "flight"]
-    assert rows.outcome.to_list() == ["lift_off", "lift_off"] and rows.end[1] == 0.0
-
-
 @pytest.mark.parametrize("name", ["reference", "exudyn", "pymunk"])
 def test_a_solver_that_lets_go_at_once_is_exact(scene, name):
     case, truth = scene

@@ -22,7 +22,7 @@ from reports.analysis import verdict
 from reports.page import chapters, evidence, motions, vendor
 from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
-from reports.page.fragments import anchor, short_percent, table, verbatim
+from reports.page.fragments import anchor, short_percent
 from reports.running.records import Experiment, Truth
 
 from .test_verdict import experiment, run
@@ -101,19 +101,6 @@ def test_the_player_has_the_modes_of_each_contact_and_a_plate_that_does_not_turn
     ]  # fmt: skip
 
 
-def test_a_table_of_the_page_has_shares_in_percent_and_sorts_by_them():
-    frame = pd.DataFrame({"off": [0.123456, math.nan], "cpu_s": [0.1, 0.2]})
-    data = table(frame, {"off": "off", "cpu_s": "cpu s"})
-    assert [head["unit"] for head in data["heads"]] == ["%", "s"]
-    first, last = (row["cells"][0] for row in data["rows"])
-    assert (first["text"], first["order"]) == ("12", "0.123456") and (last["text"], last["order"]) == ("", "1e308")
-
-
-def test_cases_stand_in_the_families_of_the_catalogue():
-    assert motions.family(cases.load("bouncing_disc")) == "Bounces and flights"
-    assert motions.family(replace(cases.load("bouncing_disc"), name="mine")) == "Your own"
-
-
 def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
     packages = vendor.libraries()
     assert {one["package"] for one in packages} == {"uplot", "datatables.net"}
@@ -121,20 +108,6 @@ def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
         assert one["licence"] == "MIT" and any(name.endswith("LICENSE") for name in one["files"])
         for name, digest in one["files"].items():
             assert hashlib.sha256((vendor.FOLDER / name).read_bytes()).hexdigest() == digest, name
-
-
-def test_numbers_stand_as_people_write_them_and_are_sorted_as_numbers():
-    assert [verbatim(text) for text in ("1.1e-07", "-3.0e+05", "0.0e+00", "2.5e-12")] == [
-        "1.1e-7",
-        "-3.0e5",
-        "0",
-        "2.5e-12",
-    ]
-    frame = pd.DataFrame({"solver": ["pymunk"], "route": ["native"], "error": [1.23456789e-07], "steps": [1712.5]})
-    (row,) = table(frame, {"error": "error", "steps": "steps"})["rows"]
-    assert row["solver"], row["route"] == ("pymunk", "native")
-    assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": None}
-    assert row["cells"][1] == {"text": "1,700", "kind": "number", "order": "1712.5"}
 
 
 def test_failures_are_counted_once_for_each_reason_and_the_worst_unusable_run_is_named():
@@ -159,17 +132,6 @@ def test_failures_are_counted_once_for_each_reason_and_the_worst_unusable_run_is
         ("unsupported", 2, "a, b"),
     ]
     assert rows[0]["reason"] == "d: pose: 900 %" and rows[2]["reason"] == "no springs"
-
-
-def test_a_long_table_has_its_first_rows_and_says_how_many_there_are():
-    frame = pd.DataFrame({f"c{i}": range(60) for i in range(20)} | {"cpu_s": [0.1] * 60, "level": range(60)})
-    whole = table(frame.head(50), {"c0": "c0"})
-    assert len(whole["rows"]) == whole["count"] == 50
-    long = table(frame, {c: c for c in frame.columns}, {"c0": "height, m"}, file="x")
-    assert (len(long["rows"]), long["count"], len(long["heads"]), long["columns"]) == (8, 60, 12, 22)
-    assert long["heads"][0]["unit"] == "m" and long["file"] == "x"
-    (head,) = table(frame, {"cpu_s": "cpu s"})["heads"]
-    assert (head["title"], head["unit"], head["number"]) == ("cpu", "s", True)
 
 
 @pytest.mark.parametrize(
@@ -236,9 +198,3 @@ def test_what_to_change_for_one_percent_is_confirmed_by_all_finer_settings(offs,
     (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
     assert row["so"].startswith(text)
     assert row["cells"]["default settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
-
-
-def test_default_settings_within_one_percent_need_no_change():
-    results = experiment(run("a", "one", "native", 0.002, Setting.of(rung="defaults")), run("a", "one", "native", 1e-4))
-    (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
-    assert row["so"] == "one's default settings are within 1 %."

@@ -5,7 +5,7 @@ import io
 from rich.console import Console
 
 from reports.running import progress
-from reports.running.progress import Display, in_words, usual
+from reports.running.progress import Display, usual
 
 
 def test_the_time_left_is_that_of_the_whole_at_the_pace_seen(monkeypatch):
@@ -29,13 +29,6 @@ def test_the_time_left_is_that_of_the_whole_at_the_pace_seen(monkeypatch):
     assert abs(left["c", 1] - 100.0) < 10.0 and left["c", 2] == 0.0
 
 
-def test_a_step_that_had_nothing_to_do_is_not_waited_for():
-    display = Display({"a": 1000.0, "b": 10.0})
-    with display:
-        list(display("b", 1, iter([0])))
-        assert display._remaining("b", 1, 1, 1.0) < 1.0
-
-
 def test_a_log_is_left_quiet_and_hears_of_a_long_step(monkeypatch, capsys):
     with Display(usual(3, True, True), Console(file=io.StringIO())) as display:
         assert list(display("runs", 500, iter(range(500)))) == list(range(500))
@@ -51,7 +44,3 @@ def test_a_terminal_sees_step_count_and_time_left():
         list(display("runs", 2, iter("ab")))
         display._bars.refresh()
     assert "runs 2/2" in shown.getvalue() and "left" in shown.getvalue()
-
-
-def test_a_duration_is_said_as_one_says_it():
-    assert [in_words(s) for s in (1, 43, 89, 200, 7800)] == ["5 s", "45 s", "90 s", "3 min", "2 h 10 min"]

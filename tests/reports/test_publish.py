@@ -316,18 +316,6 @@ def test_every_row_of_the_changes_has_a_version_and_an_answer():
     assert len({(row["version"], row["answers"], row["quantity"]) for row in rows}) == len(rows)
 
 
-def test_a_change_is_named_by_words_that_its_row_has():
-    rows = [{"answers": "exudyn native", "within": ""}, {"answers": "bouncing_*", "within": "1e-3"}]
-    rows.append({"answers": "disc_in_circle[mu=0.2] pymunk", "within": ""})
-    change = compare_builds.Difference("headline", "disc_on_line[mu=0.1], exudyn, native", "finest_error", "1", "2")
-    assert matches(change, rows)
-    assert not matches(change._replace(row="disc_on_line[mu=0.1], exudyn, integrator"), rows)
-    assert not matches(change._replace(row="bouncing_disc[e=0.5], pymunk, native"), rows)
-    assert matches(change._replace(row="bouncing_disc[e=0.5], pymunk, native", other="1.0009"), rows)
-    assert matches(change._replace(row="disc_in_circle[mu=0.2], pymunk, native"), rows)
-    assert not matches(change._replace(row="disc_on_line[mu=0.1], pymunk, native"), rows)
-
-
 def other_machine() -> str:
     """What differs between here and where the published report was made, of all that may change a last digit: versions,
     processor, the C library with its sines."""

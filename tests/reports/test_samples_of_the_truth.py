@@ -17,20 +17,6 @@ from reports.running.tasks import find_truth
 from reports.running.true_motions import true_motion
 
 SAMPLES = 2001
-# The doubt of a lift-off is the time between two samples. A contact that fades opens as t³ and is seen to be open up to
-# as much later. "Excellent" is below the second number.
-DOUBTS, SMALL = 2.0, 1e-4
-QUICK = (
-    "bouncing_disc[e=0.8]",  # hops that are lower than a hundredth of the disc
-    "disc_off_ramp",  # its normal force fades for 30 ms
-    "hopping_rod",
-    "disc_on_free_hemisphere",  # a plate that cannot turn rests on the track, and another one rolls on it
-    "box_on_shaken_table",
-    "ladder_at_wall[mu=0.1,mu_wall=0.2]",
-)
-# A disc that turns by 125 rad between two of so many samples: the file is rejected as too coarse.
-COARSE = ("long_slide",)
-SLOW = tuple(case.label for name in cases.names() for case in cases.select(name) if case.label not in (*QUICK, *COARSE))
 
 
 def judged(label: str, folder) -> Run | None:
@@ -47,16 +33,6 @@ def judged(label: str, folder) -> Run | None:
     file = folder / "motion.csv"
     pd.DataFrame(frame).to_csv(file, index=False)
     return judge_motion(of_table("file", case, motion_table.read(file)), 1, truth)
-
-
-@pytest.mark.sampled(8)
-@pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
-def test_true_poses_are_the_truth(label, tmp_path):
-    run = judged(label, tmp_path)
-    if run is None:
-        pytest.skip("no certificate, so nothing is judged by it")
-    assert run.score is not None, run.reason
-    assert run.score.off <= DOUBTS * run.score.doubt + SMALL, run.reason
 
 
 def test_an_exported_box_is_compared(tmp_path):

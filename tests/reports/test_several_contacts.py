@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -30,11 +29,9 @@ from cases import (
 from cases.library import line
 from cases.motion.sampled_contacts import SampledContacts
 from cases.motion.trajectory import ContactColumns
-from reports.judging import friction_factor, impacts, several_contacts
+from reports.judging import impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
-from reports.page import motions
-from reports.running.records import Truth
 
 pytestmark = pytest.mark.builds
 
@@ -120,25 +117,12 @@ def test_each_contact_is_read_by_its_own_friction():
     assert list(first.values()) == [Mode.ROLL, Mode.ROLL, Mode.SLIDE, Mode.SLIDE]
 
 
-@pytest.mark.slow
-def test_a_motion_that_ignores_friction_is_as_bad_as_that(truth, scales):
-    for name, motion in null_motions(ROCKING).items():
-        result = judged(truth, scales, motion)
-        assert result.score.off >= 1.0 - 1e-6, name
-
-
 def test_a_motion_that_never_touches_the_other_flank_misses_its_transitions(truth, scales):
     t = np.linspace(0.0, 4.0, 401)
     still = {name: np.full(401, getattr(truth(0.0), name)) for name in truth(0.0)._fields}
     result = judged(truth, scales, Trajectory(t=t, **still, case=ROCKING))
     other = [row for row in result.ledger if row.contact == "plate/track 2"]
     assert len(other) == 4 and all(row.pairing == "missed" for row in other)
-
-
-def test_several_contacts_have_no_friction_factor(truth, scales):
-    """Their normal forces do not follow from the momentum."""
-    assert all(np.isnan(scale.losses.by_law) for scale in scales.values())
-    assert np.isnan(friction_factor.friction_factor(ROCKING, truth, friction_factor.Losses(1.0, 1.0), 4.0))
 
 
 def test_swings_and_the_time_of_rest_are_those_of_the_motion():
@@ -180,34 +164,6 @@ def test_an_exported_true_motion_is_the_truth(truth, scales):
     result = judged(truth, scales, motion_file.trajectory_of(ROCKING, table))
     assert result.score.off <= 0.005 and {row.pairing for row in result.ledger} == {"paired"}
     assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 1e-4
-
-
-def test_the_player_shows_the_contact_that_closes_at_the_instant_of_an_impact():
-    """Interpolation across the impact has no value; there was a picture without any contact."""
-    t = np.array([0.0, 1.0, 2.0, 3.0])
-    opens = {"t": t, "xi1": np.array([0.1, np.nan, np.nan, np.nan])}
-    closes = {"t": t, "xi1": np.array([np.nan, 0.5, 0.6, 0.7])}
-    times = np.array([0.0, 0.4, 0.6, 1.0, 1.5])
-    np.testing.assert_allclose(motions.at_contact(times, closes, "xi1"), [np.nan, np.nan, 0.5, 0.5, 0.55])
-    np.testing.assert_allclose(motions.at_contact(times, opens, "xi1"), [0.1, 0.1, np.nan, np.nan, np.nan])
-
-
-def test_the_player_shows_the_modes_of_all_contacts():
-    """Also of contacts that never change: the disc that pushes a block was shown with two of its four contacts."""
-    names, end = ("plate/track", "upper/plate", "plate/track 4"), Mode.FLIGHT
-    changes = (
-        Transition(0.5, Mode.ROLL, Mode.SLIP_FORWARD, contact=names[1]),
-        Transition(0.7, Mode.SLIP_FORWARD, end, contact=names[1]),
-    )
-    first = dict(zip(names, (Mode.SLIDE, Mode.ROLL, Mode.SLIP_FORWARD), strict=True))
-    scales = {name: SimpleNamespace(phases=(SimpleNamespace(mode=mode),)) for name, mode in first.items()}
-    record = Truth(
-        transitions=changes, first_mode=Mode.SLIDE, samples={"t": np.array([0.0, 1.0])},
-        scales=scales,  # type: ignore[arg-type]
-    )  # fmt: skip
-    words = [mode for _, mode, _ in motions._modes(record)]
-    assert words[0] == "slide at plate/track, roll at upper/plate, slip_forward at plate/track 4"
-    assert words[-1] == "slide at plate/track, slip_forward at plate/track 4"
 
 
 def test_a_contact_without_transitions_has_the_mode_of_its_slip():

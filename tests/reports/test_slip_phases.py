@@ -305,23 +305,3 @@ def test_a_phase_too_short_for_the_samples_is_unresolved_and_not_missed():
     slips = [Transition(1.0, Mode.ROLL, Mode.SLIP_FORWARD), Transition(1.001, Mode.SLIP_FORWARD, Mode.ROLL)]
     assert [row.pairing for row in ledger.match(slips, [], gap=0.01)] == ["unresolved", "unresolved"]
     assert [row.pairing for row in ledger.match(slips, [], gap=0.0001)] == ["missed", "missed"]
-
-
-def test_zeros_of_all_windows_are_those_of_each_least_squares_fit():
-    tau = np.linspace(-40.0, 0.0, 400)
-    y = np.sqrt(1.5 - tau) + 1e-3 * np.sin(37.0 * tau) - 0.9
-    groups, fits = slip_phases._windows(len(tau))
-    windows = [row[row >= 0] for group in groups for row in group]
-    zeros, places = slip_phases._zeros(tau, y, 10.0), [(degree, place) for degree, rows in fits for place in rows]
-    assert len(windows) > 30 and {degree for degree, _ in places} == {1, 2, 3, 4, 5}
-    for (degree, three), found in zip(places, zeros, strict=True):
-        last, between, earliest = (windows[place] for place in three)
-        assert last[-1] == len(tau) - 1 > between[-1] > earliest[-1]
-        for part, zero in zip((last, between, earliest), found, strict=True):
-            span = -tau[part[0]]
-            fit = np.linalg.lstsq(np.vander(tau[part] / span, degree + 1), y[part], rcond=None)[0]
-            own = [span * r.real for r in np.roots(fit) if abs(r.imag) <= 1e-9 * (1 + abs(r.real))]
-            own = [zero for zero in own if 0 <= zero <= 10]
-            # Both have 16 digits, and the powers' condition takes up to 5 of them.
-            assert zero == pytest.approx(min(own), rel=1e-10) if own else np.isnan(zero)
-    assert 10 < np.sum(np.isfinite(zeros)) < zeros.size

@@ -20,11 +20,6 @@ def test_every_second_is_booked_once_and_a_phase_that_comes_again_adds_up():
     assert phase_times.time_summary(ledger.phases)["runs"] == {"wall_s": 10.0, "cpu_s": 20.0}
 
 
-def test_the_line_names_the_longest_and_sums_up_the_others():
-    phases = {name: PhaseTime(wall, wall) for name, wall in zip("abcdefg", (9, 8, 7, 6, 5, 4, 0.1), strict=True)}
-    assert phase_times.parts_words(phases) == "a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s"
-
-
 @pytest.mark.parametrize("fork", ["", "import os\nif os.fork(): os._exit(os.wait()[1])\n"], ids=["child", "grandchild"])
 def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after(fork):
     """A worker is the child of its supervisor."""
@@ -47,7 +42,3 @@ def test_cpu_time_that_a_process_left_hidden_takes_none_from_a_phase():
     ledger.book("one")
     ledger.book("other")
     assert ledger.phases == {"one": PhaseTime(1.0, 0.0), "other": PhaseTime(1.0, 1.5)}
-
-
-def test_a_manifest_says_hundredths_of_a_second():
-    assert phase_times.time_summary({"a": PhaseTime(1.2345, 0.126)}) == {"a": {"wall_s": 1.23, "cpu_s": 0.13}}

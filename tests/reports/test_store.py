@@ -23,7 +23,6 @@ from .identical import identical
 
 pytestmark = pytest.mark.builds
 
-ROOT = Path(__file__).parents[2]
 KEY = {"case": "c", "setting": ["h", "0.1"]}
 ROW = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 1 / 3, 1 / 7, 1 / 3 - 1 / 7, "paired")
 RUN = Run(
@@ -43,11 +42,6 @@ TRUTH = Truth(
 def test_records_come_back_to_the_last_bit(kind, record, tmp_path):
     Store(tmp_path / "s").put(kind, KEY, record, type(record))
     assert identical(Store(tmp_path / "s").get(kind, KEY, type(record)), record)
-
-
-def test_what_comes_back_may_be_changed(tmp_path):
-    Store(tmp_path).put("run", KEY, RUN, Run)
-    Store(tmp_path).get("run", KEY, Run).samples["t"][0] = 1.0
 
 
 def test_nothing_is_taken_under_another_key_or_when_asked_for_fresh(tmp_path):
@@ -172,49 +166,6 @@ def test_a_few_kilobytes_that_unfold_to_more_than_any_record_holds_are_not_unfol
     assert "it claims to hold more than 10 MB" in store.trouble()[0]
 
 
-def test_kinds_are_kept_apart_and_what_is_taken_is_told(tmp_path):
-    first = Store(tmp_path)
-    first.put("run", KEY, RUN, Run)
-    first.put("truth", KEY, TRUTH, Truth)
-    first.put("run", {"another": 1}, RUN, Run)
-    for path, when in zip(sorted(tmp_path.glob("*-*.npz")), ("2021", "2020", "2022"), strict=True):
-        with_record(path, lambda output, when=when: output.update(when=when))
-    store = Store(tmp_path)
-    assert identical(store.get("truth", KEY, Truth), TRUTH) and identical(store.get("run", KEY, Run), RUN)
-    assert store.get("run", {"another": 1}, Run) is not None and store.get("run", {"a third": 1}, Run) is None
-    assert store.summary() == {"taken": {"run": 2, "truth": 1}, "oldest_taken": "2020", "kept": {}, "trouble": []}
-    assert store.taken_words() == "2 runs and 1 truth taken from the store (since 2020), nothing made now"
-    assert first.summary()["kept"] == {"run": 2, "truth": 1}
-    assert Store(tmp_path).taken_words() == "no result was taken from the store"
-
-
-def test_use_saves_a_result_from_being_the_longest_unused(tmp_path):
-    for i in range(3):
-        Store(tmp_path).put("run", {"i": i}, RUN, Run)
-    for place, file in enumerate(tmp_path.glob("run-*")):
-        os.utime(file, (1e9 + place, 1e9 + place))
-    assert Store(tmp_path).get("run", {"i": 1}, Run) is not None
-    other = Store(tmp_path)  # another build, which does not use it
-    other.trim(bound=max(file.stat().st_size for file in tmp_path.glob("run-*")))
-    assert other.get("run", {"i": 1}, Run) is not None
-    assert other.get("run", {"i": 0}, Run) is other.get("run", {"i": 2}, Run) is None
-
-
-def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):
-    Store(tmp_path).put("run", KEY, RUN, Run)
-    file = kept_file(tmp_path)
-    file.unlink()
-    file.mkdir()
-    store = Store(tmp_path)
-    assert store.get("run", KEY, Run) is None
-    store.put("run", KEY, RUN, Run)
-    assert [line.partition(":")[0] for line in store.trouble()] == [
-        "could not be read, and were made again",
-        "could not be stored",
-    ]
-    assert [path for path in tmp_path.iterdir() if path.name.startswith(".slip-to-roll")] == []
-
-
 def test_files_of_others_are_told_and_left(tmp_path):
     (tmp_path / "thesis.tex").write_text("precious")
     store = Store(tmp_path)
@@ -222,14 +173,6 @@ def test_files_of_others_are_told_and_left(tmp_path):
     store.trim(bound=0)
     assert store.trouble() == ["foreign files, not touched: 1, such as thesis.tex"]
     assert (tmp_path / "thesis.tex").read_text() == "precious"
-
-
-def test_a_folder_of_the_users_gets_no_list_of_what_git_ignores(tmp_path):
-    (tmp_path / "thesis.tex").write_text("precious")
-    store = Store(tmp_path)
-    assert store.problem() == ""
-    store.put("run", KEY, RUN, Run)
-    assert not (tmp_path / ".gitignore").exists()
 
 
 def test_a_full_disk_is_told_and_leaves_no_file(tmp_path):
@@ -249,12 +192,6 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     assert output.startswith("could not be stored: 1")
     assert "cannot be stored: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
     assert store.kept_words() == "no result was stored"
-
-
-def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
-    store = Store(tmp_path, fresh=True)
-    store.put("run", KEY, RUN, Run)
-    assert store.kept_words() == f"1 run stored in {tmp_path}; the same command without --fresh continues from there"
 
 
 @pytest.mark.parametrize(

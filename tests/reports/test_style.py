@@ -4,7 +4,6 @@ import xml.etree.ElementTree as ET
 
 import matplotlib
 from matplotlib import pyplot as plt
-from PIL import Image
 
 from reports.drawing import figure_files, style
 
@@ -29,14 +28,3 @@ def test_text_stays_text_after_the_style_of_a_figure_ended(tmp_path):
     with matplotlib.rc_context({"svg.fonttype": "path"}):
         figure_files.save(figure, tmp_path, "figure", "", "Title", "Words")
     assert ">a title<" in (tmp_path / "figure.svg").read_text()
-
-
-def test_a_png_has_a_palette_and_the_colours_of_its_figure(tmp_path):
-    with matplotlib.rc_context(style.STYLE):
-        figure, ax = plt.subplots(figsize=(2, 2))
-        ax.axhspan(0.2, 0.8, color="#0072b2")
-        figure_files.save(figure, tmp_path, "figure", "", "Title", "Words", png=True)
-    with Image.open(tmp_path / "figure.png") as image:
-        assert image.mode == "P"
-        colours = {colour for _, colour in image.convert("RGB").getcolors()}
-    assert {(255, 255, 255), (0x00, 0x72, 0xB2)} <= colours

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 
 import numpy as np
@@ -83,16 +82,6 @@ def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, mon
         (out / name).unlink()
 
 
-def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypatch, capsys, at_once):
-    monkeypatch.chdir(tmp_path)
-    few = ["disc_on_line", "--vary", "mu=0.1:0.2:2"]
-    assert sweep.main(few) == 0
-    (tmp_path / "sweep" / "sweep.json").unlink()
-    assert sweep.main(few) == 2
-    assert "holds another sweep (sweep.json does not identify it)" in capsys.readouterr().err
-    assert sweep.main([*few, "--fresh"]) == 0
-
-
 @pytest.mark.filterwarnings("ignore")  # Dask's own, of a connection that nobody answers
 def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
@@ -142,53 +131,6 @@ def test_refinement_finds_the_boundary_where_the_inequality_has_it(accuracy):
     accuracy(
         case="disc_in_circle", solver="sweep", route="refine", quantity="boundary in mu", error=error, tolerance=1e-10
     )
-
-
-@pytest.mark.slow
-def test_refinement_finds_the_whole_boundary(accuracy):
-    asked = plan("disc_in_circle", dict(mu="0.01:0.19:4", xi1="0:1.4:8"))
-    found = boundary_search.find_boundaries(asked, 1e-10)
-    grid = (0.18 / 1e-10) * boundary_search.CELLS
-    assert found.width.max() <= 1e-10 and found.scenarios < 1e-3 * grid
-    errors = []
-    for mu, xi1, kinds in zip(found.x, found.y, found.kinds, strict=True):
-        if [kind.rpartition(" ")[2] for kind in kinds] == ["backward", "rolls"]:
-            step = 1e-6 * mu
-            slope = (slip_end(mu + step, xi1).demand - slip_end(mu - step, xi1).demand) / (2 * step)
-            errors.append(abs((slip_end(mu, xi1).demand - 1.0) / slope))
-    assert len(errors) > 200
-    accuracy(
-        case="disc_in_circle",
-        solver="sweep",
-        route="refine",
-        quantity="boundary in mu",
-        error=max(errors),
-        tolerance=1e-10,
-    )
-
-
-def resident() -> int:
-    with open("/proc/self/statm") as output:
-        return int(output.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
-def cost(number: int) -> tuple[float, int]:
-    """CPU seconds of so many scenarios of the disc in a circle, and the memory that is held after them."""
-    asked = plan("disc_in_circle", dict(mu="0.01:0.5", xi1="0:1.5"), "random", number, rtol=1e-9)
-    began = time.process_time()
-    for start in range(0, number, 4000):
-        parts.pack(table.scenario_rows(asked, start, min(start + 4000, number), optimised=True))
-    return time.process_time() - began, resident()
-
-
-@pytest.mark.slow
-def test_a_sweep_costs_in_proportion_and_its_memory_stays():
-    """From 4,000 to 400,000: what a scenario costs, and what is held, hardly change."""
-    cost(4000)
-    small, held = cost(4000)
-    large, held_then = cost(400_000)
-    assert large / 400_000 < 1.5 * small / 4000
-    assert held_then < 1.1 * held
 
 
 @pytest.mark.slow

@@ -94,24 +94,6 @@ def test_late_transition_has_its_error_in_the_ledger(monkeypatch, line):
     assert run.score.mode == pytest.approx(2e-3 / line[1].scale.time, rel=1e-3)
 
 
-def slipping_for_ever(case) -> Trajectory:
-    """It slips where the truth rolls, as fast as the truth does at the start: nothing of that counts as creep."""
-    motion = bowling(case)
-    return Trajectory(**{**{n: getattr(motion, n) for n in ("t", *State._fields)}, "slip": motion.slip + 1.0})
-
-
-@pytest.mark.parametrize(
-    "read, reason",
-    [
-        (slipping_for_ever, "another sequence of modes"),
-        (lambda case: bowling(case, last=0.6), "ends at"),
-    ],
-)
-def test_motion_of_another_kind_has_a_bad_grade_with_a_reason(monkeypatch, line, read, reason):
-    run = performed(monkeypatch, line, read)
-    assert run.outcome == "answered" and run.grade in ("poor", "unusable") and reason in run.reason
-
-
 def with_nan(case) -> Trajectory:
     motion = bowling(case)
     return replace(motion, x=np.where(np.arange(len(motion.x)) == 5, np.nan, motion.x))
@@ -227,6 +209,3 @@ def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_each_alone():
     assert (failed.outcome, failed.reason) == ("crashed", "asking for its ladder: gone") and len(broken.made) == 4
     assert list(offers) == [key for key in expected if key[0] != some[1].label]
     assert offers.items() <= expected.items()
-
-
-# --- tables -----------------------------------------------------------------------------------------------------------

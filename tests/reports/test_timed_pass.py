@@ -94,15 +94,6 @@ def test_each_time_is_its_contestant_s_in_every_order_and_from_the_store(measure
     assert times_made == [1, *[0] * (len(times_made) - 1)] and len(times_made) > 10
 
 
-def test_parts_of_a_run_are_their_contestant_s(engines, tmp_path, monkeypatch):
-    by_cost = lambda one, deadline: time_breakdown.TimeBreakdown(one.setting["cost"], 0.0, 0.0, 0.0)  # noqa: E731
-    monkeypatch.setattr(time_breakdown, "parts", by_cost)
-    for who in (WHO, WHO[::-1], WHO[3:] + WHO[:3]):
-        with calls(tmp_path) as made:
-            found = timed_pass._measure(partial(timed_pass._parts, made), who, 1000.0)
-        assert {key: value.engine for key, value in found.items()} == {one.key: one.setting["cost"] for one in who}
-
-
 @pytest.mark.parametrize("ask", [timed_pass._cold_starts, timed_pass._parts, timed_pass.time_together])
 def test_cases_with_other_engines_are_timed_in_the_same_worker(ask, engines, monkeypatch):
     groups = []
@@ -147,13 +138,6 @@ def test_timings_are_taken_of_the_same_contestants_alone(other, new, engines, tm
         assert len(made.made) == made_now
 
 
-def test_what_is_left_of_the_time_decides_nothing_and_the_share_of_it_does(engines, tmp_path):
-    for left, share, new in ((5.0, 10.0, 1), (7.0, 10.0, 0), (7.0, 20.0, 1)):
-        with calls(tmp_path) as made:
-            timed_pass.time_together(AB, left, share, made)
-        assert len(made.made) == new
-
-
 @pytest.mark.parametrize("disturbed", [(True, True), (True, False), (False, True)])
 def test_nothing_is_kept_that_was_disturbed_anywhere(disturbed, engines, tmp_path, monkeypatch):
     timing = replace(clock.NO_TIMING, cpu_s=1.0)
@@ -168,16 +152,6 @@ def test_nothing_is_kept_that_was_disturbed_anywhere(disturbed, engines, tmp_pat
         with calls(tmp_path) as made:
             timed(AB, made)
         assert len(made.made) == 1
-
-
-def test_a_contestant_that_an_answer_does_not_name_is_reported(engines, monkeypatch):
-    def time_all(contestants, budget) -> dict[clock.Key, tuple[clock.Timing | None, str]]:
-        return {}
-
-    monkeypatch.setattr(clock, "time_all", time_all)
-    with calls() as made:
-        found, failed = timed_pass.time_together(AB, 5.0, 10.0, made)
-    assert not found and [one for one, _ in failed] == AB and "missing from the clock's answer" in failed[0][1]
 
 
 def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(engines):
@@ -257,13 +231,6 @@ def test_a_default_report_times_of_each_family_the_variant_with_most_transitions
     assert timed_pass.cases_to_time(found, full=True) == variants
 
 
-def test_a_default_report_times_no_more_cases_than_it_has_time_for():
-    many = named(timed_pass.MOST_CASES + 3)
-    most = {case.label: 1 + i for i, case in enumerate(many)}
-    assert timed_pass.cases_to_time(experiment(*many, events=most), full=False) == many[:2:-1]
-    assert timed_pass.cases_to_time(experiment(*many, events=most), full=True) == many
-
-
 def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
     one, two, three = named(3)
     runs = [run_of(case, rung=r) for case, rungs in ((one, 6), (two, 5), (three, 6)) for r in range(1, rungs + 1)]
@@ -271,35 +238,6 @@ def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
     found.truths[three.label] = Truth(failure="none")
     assert timed_pass.cases_to_time(found, full=False) == [one]
     assert timed_pass.cases_to_time(found, full=True) == [one, two]
-
-
-def test_the_pass_times_cheap_cases_first_and_shares_the_time_among_those_left(engines, monkeypatch):
-    cheap, dear = named(2)
-    runs = [run_of(case, cost=cost, rung=1) for case, cost in ((dear, 8.0), (cheap, 1.0))]
-    given_to: list[tuple[str, float, float]] = []
-    together = timed_pass.time_together
-
-    def noted(who, budget, share, alone):
-        given_to.append((who[0].case.label, budget, share))
-        return together(who, budget, share, alone)
-
-    monkeypatch.setattr(timed_pass, "time_together", noted)
-    with calls() as made:
-        began = engines.wall
-        found = timed_pass.measure(experiment(dear, cheap, runs=runs), True, made)
-    assert [label for label, _, _ in given_to] == [cheap.label, dear.label] and given_to[0][1] == 60.0
-    assert set(found.timings) == {(run.case, *("pymunk", "native"), run.setting) for run in runs}
-    assert all(fit(timing, key[3]["cost"]) for key, timing in found.timings.items())
-
-    given_to.clear()
-    monkeypatch.setattr(timed_pass, "LEAST_SETTINGS", 1)
-    with calls() as made:
-        began = engines.wall
-        timed_pass.measure(experiment(dear, cheap, runs=runs), False, made)
-    (_, first, share), (_, second, _) = given_to
-    # Half of the time for the cheap one; what it leaves of that the dear one has as well.
-    assert first == pytest.approx(timed_pass.BUDGET / 2, rel=1e-3) and share == timed_pass.BUDGET / 2
-    assert first < second < timed_pass.BUDGET and began + timed_pass.BUDGET > engines.wall
 
 
 def test_what_could_not_be_timed_is_reported_with_its_reason(engines, monkeypatch):

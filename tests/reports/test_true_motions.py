@@ -64,12 +64,6 @@ def test_an_engine_s_worker_writes_no_motion(in_worker, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_another_case_has_another_motion(in_worker, tmp_path):
-    in_worker("")
-    other = cases.load("disc_on_incline", slope=0.3)
-    assert in_worker("exudyn", other)(1.0).x != in_worker("exudyn")(1.0).x
-
-
 def test_a_motion_that_cannot_be_written_is_still_a_motion(in_worker, monkeypatch, tmp_path):
     monkeypatch.setattr(worker, "pool_folder", tmp_path / "missing")
     assert in_worker("").status == "completed"

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import nan
-from types import SimpleNamespace
 
 import pytest
 
-from adapters import Setting, our_part
+from adapters import Setting
 from reports.analysis import verdict, verdict_text
 from reports.judging.friction_factor import Losses
 from reports.judging.score import Scale, Score
-from reports.running.experiment import _our_parts
-from reports.running.records import Experiment, Offer, Run, Truth, default
+from reports.running.records import Experiment, Run, Truth
 
 DEFAULTS, FINE = Setting.of(rung="defaults"), Setting.of(h=1e-4)
 SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
@@ -141,52 +139,6 @@ def test_default_settings_and_the_finest_are_apart_and_friction_is_the_farthest_
     assert other["worst_friction_factor"] == -0.5
 
 
-def test_the_sentence_is_of_engines_that_can_be_installed_not_of_motions_from_files():
-    rows = table(
-        run("a", "mine", "file", 1e-6), run("a", "theirs", "submission", 1e-5), run("a", "one", "native", 0.1),
-        run("a", "one", "assisted", 1e-6), one="our contact geometry around one's step",
-    )  # fmt: skip
-    assert "one native – by default, 10 % at the finest" in verdict_text.sentence(rows)
-    assert "mine" not in verdict_text.sentence(rows) and "assisted" not in verdict_text.sentence(rows)
-
-
-def test_default_settings_are_a_grid_with_its_median_and_range():
-    grid = [Setting.of(rung="defaults", h=h) for h in (0.02, 0.01, 0.005)]
-    runs = [run("a", "one", "native", off, setting) for off, setting in zip((0.4, 0.1, 0.9), grid, strict=True)]
-    rows = table(*runs, run("b", "one", "native", 0.2, grid[0]), run("a", "one", "native", 0.01))
-    (row,) = rows
-    assert (row["default_off_best"], row["default_off"], row["default_off_worst"]) == (0.1, pytest.approx(0.3), 0.9)
-    # Of an even number no setting is in the middle: the better one of the two is shown.
-    assert default(runs[:2]).score.off == 0.1 and default(runs).score.off == 0.4
-
-
-def test_cases_that_only_the_finest_setting_reaches_are_counted_apart():
-    rows = table(run("a", "one", "native", 0.5), run("a", "one", "native", 0.001), run("b", "one", "native", 0.001))
-    assert verdict_text.cells(rows[0])["≤ 1 %"] == "0 + 2"
-    sure = table(run("a", "one", "native", 0.005), run("a", "one", "native", 0.001))
-    assert verdict_text.cells(sure[0])["≤ 1 %"] == "1 + 0"
-
-
-def test_without_an_engine_or_a_case_with_friction_the_sentence_says_so():
-    assert "No engine is compared" in verdict_text.sentence(table(run("a", "reference", "taylor", 0.0)))
-    rows = table(run("free", "one", "native", 0.1), truths=OTHERS | {"edge": Truth(failure="-")})
-    assert "No engine is compared" in verdict_text.sentence(rows)
-    assert len(verdict_text.in_terminal(rows).splitlines()) == 2
-
-
-def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_compared():
-    rows = table(
-        run("a", "one", "native", 0.0123, DEFAULTS), run("a", "one", "native", 0.001),
-        run("a", "one", "assisted", 1e-6),
-        one="our contact geometry around one's step",
-    )  # fmt: skip
-    head, first, second = verdict_text.in_terminal(rows).splitlines()
-    for text in ("one native", "1.2 %", "0.1 %"):
-        assert text in first
-    assert "one assisted" in second
-    assert "one assisted" in " ".join(verdict_text.legend(rows))
-
-
 @pytest.mark.parametrize("name", ["one", "an_engine_with_a_name_that_is_far_longer_than_a_terminal_is_wide" * 2])
 def test_every_line_of_the_terminal_fits_80_characters(name):
     rows = table(
@@ -202,22 +154,3 @@ def test_every_line_of_the_terminal_fits_80_characters(name):
     assert max(map(len, lines)) <= 80
     assert all(line.split("%")[0].rstrip() for line in lines if "%" in line)  # no line begins with a percent sign
     assert "two native" in verdict_text.in_terminal(rows)  # only the names that do not fit are shortened
-
-
-def test_narrower_columns_come_before_a_shorter_name():
-    rows = table(
-        run("a", "my_engine 2.1.0", "submission", 1e-9), run("a", "two", "native", 0.2), run("a", "two", "native", 1e-9)
-    )
-    assert "my_engine 2.1.0 submission" in verdict_text.in_terminal(rows)
-    assert max(map(len, verdict_text.in_terminal(rows).splitlines())) <= 80
-
-
-def test_an_adapter_says_what_of_its_routes_is_not_its_engines_own():
-    adapter = SimpleNamespace(NAME="mine")
-    assert our_part(adapter, "native") == our_part(adapter, "process") == ""
-    assert our_part(adapter, "assisted") == "our contact geometry around mine's step"
-    assert our_part(adapter, "integrator") == "our contact geometry and contact law around mine's integrator"
-    own = SimpleNamespace(NAME="mine", OUR_PARTS={"planned": "our plan", "assisted": ""})
-    assert (our_part(own, "planned"), our_part(own, "assisted")) == ("our plan", "")
-    offers = {("a", "mine"): (Offer("native"), Offer("planned", our_part="our plan"))}
-    assert _our_parts(offers) == {("mine", "planned"): "our plan"}

@@ -1,22 +1,17 @@
 """Versions of an engine beside each other: what may be asked for, what is said where it cannot be, which one runs."""
 
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 
 import pandas as pd
 import pytest
 from packaging.requirements import Requirement
 
-import adapters
 import cases
-from cases import BadValue, CaseError
+from cases import CaseError
 from reports import build, compare_builds, options
-from reports.analysis.columns import with_version
 from reports.running import cache_folder, experiment, solvers, versions
 from reports.running.calls import Calls
-from reports.running.solvers import groups_of
 from reports.running.storage import source_code
-from reports.running.timing import timed_pass
-from reports.running.timing.clock import Contestant
 
 pytestmark = pytest.mark.builds
 
@@ -71,42 +66,14 @@ def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tm
     assert not (cache / "versions").exists()
 
 
-def test_without_a_cache_only_what_is_here_can_be_asked_for(monkeypatch):
-    monkeypatch.setenv(cache_folder.VARIABLE, cache_folder.OFF)
-    options.choose_solvers([f"pymunk@{version('pymunk')}"])
-    with pytest.raises(BadValue, match="the cache is off"):
-        options.choose_solvers(["pymunk@6.99"])
-
-
-def test_adapters_of_the_suite_know_what_is_installed():
-    for engine in set(adapters.engines()) & {"box2d", "exudyn", "pybullet", "pymunk"}:
-        known = Requirement(source_code.literal_of(engine, "KNOWN"))
-        try:
-            assert known.specifier.contains(version(known.name)), engine
-        except PackageNotFoundError:
-            continue
-
-
 # What pip says, shortened.
 UNKNOWN = "ERROR: Could not find a version that satisfies the requirement pymunk==7.2.9 (from versions: {})\n"
-OFFLINE = "WARNING: Retrying (Retry(total=0)) after connection broken by 'NewConnectionError'\n" + UNKNOWN.format(
-    "none"
-)
 
 
 def test_a_version_that_the_index_does_not_have_is_told_with_the_nearest():
     have = ", ".join(["0.8", "6.0.0.dev1", *(f"{a}.{b}.0" for a in (6, 7) for b in range(9))])
     with pytest.raises(CaseError, match=r"no pymunk==7.2.9 .* it has 7.0.0, 7.1.0, 7.2.0, 7.3.0, 7.4.0, 7.5.0, …"):
         versions._why(Requirement("pymunk==7.2.9"), UNKNOWN.format(have))
-
-
-@pytest.mark.parametrize(
-    "said, hint",
-    [(OFFLINE, "cannot be reached"), ("ERROR: no space left", "no space left"), ("", "it printed nothing")],
-)
-def test_another_failure_of_pip_is_a_sentence(said, hint):
-    output = versions._why(Requirement("pymunk==7.2.9"), said)
-    assert hint in output and "\n" not in output
 
 
 def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_process):
@@ -135,26 +102,6 @@ def test_no_process_runs_another_version_than_its_row_says(pretended):
     with pytest.raises(ImportError, match="pymunk==6.99"):
         versions.demand("pymunk@6.99")
     versions.demand(f"pymunk@{version('pymunk')}")
-
-
-def test_calls_of_two_versions_share_no_worker():
-    versioned = "pymunk@6.11.1"
-    calls = [("case", versioned, 1), ([("case", versioned)], 1.0), ("case", "pymunk"), ("case", "reference")]
-    assert groups_of(calls) == [versioned, versioned, "pymunk", ""]
-
-
-def test_a_clock_has_one_version_in_its_process():
-    who = [Contestant(None, name, "native", None, 1.0) for name in ("reference", *BOTH, "exudyn", BOTH[0])]
-    parts = [[one.solver for one in some] for some in timed_pass._by_version(who)]
-    assert parts == [["reference", "exudyn"], [BOTH[0]] * 2, [BOTH[1]]]
-
-
-def test_tables_of_solvers_tell_their_versions():
-    frame = pd.DataFrame({"case": ["a"] * 3, "solver": ["x@1", "x@2", "x@3"], "error": [0.0] * 3})
-    output = with_version(frame, {"x@1": "1 (beta)", "x@2": "not_installed: x", "x@3": ""})
-    assert list(output.columns) == ["case", "solver", "version", "error"]
-    assert list(output["version"]) == ["1 (beta)", "", ""]
-    assert with_version(frame[["case"]], {}).columns == ["case"]
 
 
 @pytest.mark.slow

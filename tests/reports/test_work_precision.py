@@ -15,20 +15,16 @@ from reports.analysis import (
     cost_conclusions,
     null_scores,
     quantities,
-    table_list,
     time_to_accuracy,
     which_engine,
     work_precision,
 )
 from reports.analysis.convergence import convergence_rows
-from reports.analysis.table_list import Results
 from reports.analysis.work_precision import CostMeasurements
 from reports.judging.distances import Distance
 from reports.judging.friction_factor import Losses
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Scale, Score
-from reports.running import solvers, tasks
-from reports.running.calls import Calls
 from reports.running.records import Experiment, Run, Truth
 from reports.running.timing import timed_pass
 from reports.running.timing.clock import Timing
@@ -99,13 +95,6 @@ def test_an_accurate_setting_without_a_timing_is_not_timed():
     assert first(rows, 1e-4)["a"]["reached"] == time_to_accuracy.NOT_TIMED
 
 
-def test_times_taken_beside_other_runs_rank_nothing():
-    experiment, measured = made(("a", "s", 1e-9, None), ("b", "s", 1e-9, 2.0))
-    hasty = replace(experiment.runs[0], cost=Cost(cpu_s=1e-6, wall_s=1e-6, setup_s=0.0, steps=10))
-    rows = first(time_to_accuracy.rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured), 1e-2)
-    assert rows["a"]["reached"] == time_to_accuracy.NOT_TIMED and rows["b"]["ratio"] == 1.0
-
-
 def test_an_error_below_ten_bars_of_the_truth_is_not_known():
     experiment, measured = made(("a", "s", 0.0, 1.0))
     rows = work_precision.work_precision_rows(experiment, measured)
@@ -124,19 +113,6 @@ def test_disturbed_timings_rank_nothing():
     assert (rows["a"]["rank"], rows["c"]["rank"], rows["c"]["ratio"]) == (1.0, 2.0, 3.0)
 
 
-def test_nothing_is_told_relative_to_a_fastest_that_may_be_a_disturbed_one():
-    rows = first(accuracy_rows(("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 2.0), disturbed=("a",)), 1e-2)
-    assert rows["b"]["cpu_s"] == 2.0 and isnan(rows["b"]["ratio"])
-
-
-def test_a_route_is_not_judged_by_a_dearer_setting_because_the_cheaper_was_disturbed():
-    experiment, measured = made(("a", "cheap", 5e-3, 1.0), ("a", "dear", 1e-9, 5.0))
-    who = (experiment.cases[0].label, "a", "r", rung("cheap"))
-    measured = measured._replace(timings={**measured.timings, who: timing(1.0, disturbed=True)})
-    rows = time_to_accuracy.rows(experiment, measured)
-    assert first(rows, 1e-2)["a"]["reached"] == time_to_accuracy.DISTURBED and first(rows, 1e-3)["a"]["cpu_s"] == 5.0
-
-
 def test_routes_whose_intervals_meet_share_a_rank():
     rows = first(accuracy_rows(("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 1.1), ("c", "s", 1e-9, 9.0)), 1e-2)
     assert [rows[name]["rank"] for name in "abc"] == [1.0, 1.0, 3.0]
@@ -146,40 +122,6 @@ def test_unusable_runs_have_no_rows():
     experiment, measured = made(("a", "s", 0.6, 1.0))
     assert work_precision.work_precision_rows(experiment, measured) == []
     assert {row["reached"] for row in time_to_accuracy.rows(experiment, measured)} == {"not reached"}
-
-
-def test_every_quantity_has_rows_and_an_engine_without_a_normal_force_none_of_that():
-    experiment, measured = made(("a", "s", 1e-9, 1.0))
-    assert {row["quantity"] for row in work_precision.work_precision_rows(experiment, measured)} == set(
-        quantities.UNITS
-    )
-    mute = replace(experiment.runs[0], distance=experiment.runs[0].distance._replace(normal_force_mean=nan))
-    rows = work_precision.work_precision_rows(replace(experiment, runs=(mute,)), measured)
-    assert {row["quantity"] for row in rows} == set(quantities.UNITS) - {"normal_force_mean"}
-
-
-def test_null_score_is_in_the_row_of_each_error():
-    experiment, measured = made(("a", "s", 1e-3, 1.0))
-    rows = work_precision.work_precision_rows(experiment, measured)
-    assert {(row["null_error"], row["null_motion"]) for row in rows} == {(3e-3, "never moves")}
-
-
-def test_all_transitions_are_as_wrong_as_the_worst():
-    experiment, _ = made(("a", "s", 1e-9, 1.0))
-    run = experiment.runs[0]
-    later = replace(run.ledger[0], event=2, error=-2e-5)
-    assert quantities.error(replace(run, ledger=(run.ledger[0], later)), "all_transitions") == 2e-5
-    assert isnan(quantities.error(replace(run, ledger=()), "all_transitions"))
-
-
-def test_what_the_certificate_does_not_keep_has_the_second_method_s_bar():
-    truth = Truth(centre_bar=1e-12)
-    witnessed = {"final_pose": 1e-10, "normal_force_mean": 1e-11, "energy_mean": 0.0}
-    assert quantities.bar(truth, "final_pose", witnessed) == 1e-10
-    assert quantities.bar(truth, "centre_rms", witnessed) == 1e-12
-    assert quantities.bar(truth, "normal_force_mean", witnessed) == 1e-11
-    assert 0.0 < quantities.bar(truth, "energy_mean", witnessed) < 1e-14
-    assert isnan(quantities.bar(truth, "first_transition_time", witnessed))
 
 
 def test_orders_in_steps_and_in_time_are_fitted():
@@ -196,48 +138,12 @@ def test_orders_in_steps_and_in_time_are_fitted():
     assert all(isnan(row["order_in_time"]) and isfinite(row["order"]) for row in rows)
 
 
-def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
-    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timed_pass.LEAST_SETTINGS)])
-    assert timed_pass.cases_to_time(experiment, full=False) == list(experiment.cases)
-    thin = replace(experiment, runs=experiment.runs[1:])
-    assert timed_pass.cases_to_time(thin, full=False) == [] and timed_pass.cases_to_time(thin, full=True) == list(
-        experiment.cases
-    )
-
-
 def test_a_default_report_runs_whole_ladders_of_one_variant_of_each_family_that_it_times():
     from reports.running.ladder_selection import WHOLE_LADDERS
 
     variants = [cases.select(label)[0] for label in WHOLE_LADDERS]
     assert [case.label for case in variants] == [*WHOLE_LADDERS]
     assert len({case.name for case in variants}) == len(variants) == timed_pass.MOST_CASES
-
-
-def test_reference_and_engines_offer_enough_settings_for_a_curve():
-    case = cases.load("disc_in_circle", mu=0.2)
-    for name in ("reference", "exudyn", "pymunk"):
-        module = solvers.solver(name)
-        for route in module.routes:
-            assert len(module.ladder(case, route)) >= timed_pass.LEAST_SETTINGS, (name, route)
-
-
-@pytest.mark.slow  # test_any_fault compares the rows of two builds in the quick tests
-def test_two_builds_give_the_same_accuracies_to_the_last_digit():
-    case = cases.load("disc_on_line", mu=0.1)
-    truth = tasks.find_truth(case)
-    asked = []
-    for name in ("reference", "pymunk"):
-        module = solvers.solver(name)
-        asked += [(case, name, route, module.ladder(case, route)[2], 3, truth) for route in module.routes]
-    builds = []
-    for _ in range(2):
-        with Calls(1) as calls:
-            runs = tuple(answer.value for answer in calls.all("runs", tasks.perform, asked))
-        experiment = Experiment((case,), {case.label: truth}, runs, 0.0)
-        frames = table_list.frames(Results(experiment, experiment))
-        frames["trajectories"] = frames["trajectories"].drop(columns=["cpu_s", "setup_s", "run_at"])
-        builds.append({name: frame.to_csv() for name, frame in frames.items()})
-    assert len(runs) == len(asked) and builds[0] == builds[1]
 
 
 # --- null scores ------------------------------------------------------------------------------------------------------
@@ -309,39 +215,11 @@ def test_first_sentence_says_who_is_cheaper_by_what_once_and_a_thousand_times():
     assert "an engine is faster in" not in said.rest  # of one case the first sentence says it
 
 
-def test_first_sentence_changes_sides_where_an_engine_is_cheaper():
-    said, answers, _ = answered(
-        ("reference", "s", 1e-13, 0.1), ("a", "s", 1e-7, 0.001), cold={"reference": 0.4, "a": 0.05}
-    )
-    assert "1,000 runs take 1 s with a r and 100 s with reference r (a r is faster, by 96 ×)." in said.first
-    assert "An engine is faster there for any number of runs." in said.rest
-    assert all(isnan(row["break_even_runs"]) and row["cheaper"] == "a r" for row in answers)
-
-
-def test_sentence_reports_ties():
-    said, answers, _ = answered(("reference", "s", 1e-13, 0.104), ENGINE)
-    assert said.first.count("(a tie)") == 2
-    assert {row["cheaper"] for row in answers if row["level"] == 1e-4} == {"tie"}
-
-
-def test_what_the_engine_alone_takes_stands_beside_what_it_takes_from_python():
-    said, answers, _ = answered(("reference", "s", 1e-13, 0.001), ("a", "s", 1e-7, 0.0032), share=0.25)
-    assert "of a warm run of a r, 3.2 ms, the engine alone takes 800 µs, 1.2 × less than the reference" in said.rest
-    once, often = (row for row in answers if row["level"] == 1e-4)
-    assert (once["engine_alone_s"], often["engine_alone_s"]) == pytest.approx((0.0008, 0.8))
-
-
 def test_an_accuracy_that_no_engine_reaches_is_answered_so():
     _, answers, _ = answered(REFERENCE, ("a", "s", 5e-3, 0.1))
     (row,) = (r for r in answers if r["level"] == 1e-4 and r["runs"] == 1)
     assert row["engine"] == row["cheaper"] == "" and row["reason"] == which_engine.NO_ENGINE
     assert row["reference"] == "reference r" and row["reference_total_s"] == 1.0
-
-
-def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
-    said, _, _ = answered(REFERENCE, ENGINE, disturbed=("a", "reference"))
-    assert "8 of the 8 times of a route to a level were disturbed" in said.first
-    assert "faster" not in said.first + said.rest
 
 
 @given(st.floats(1e-3, 10.0), st.floats(1e-3, 10.0), st.floats(1e-4, 1.0), st.floats(1e-4, 1.0))
@@ -358,20 +236,3 @@ def test_break_even_is_the_first_count_from_which_the_reference_is_cheaper(cold_
     else:
         assert saved(runs) > -rounding and saved(10 * runs) > -10 * runs * rounding
         assert runs == 1.0 or saved(runs - 1.0) < rounding * runs
-
-
-def test_set_up_and_compilation_are_told_beside_the_times():
-    experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
-    slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
-    points = work_precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
-    assert "reference 1 s, a 0 µs." in cost_conclusions.set_up(points)
-    assert cost_conclusions.set_up([]) == ""
-
-
-def test_a_figure_that_fails_is_told_in_its_place(tmp_path, in_process):
-    from reports.page import pictures
-
-    experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
-    with in_process(), Calls(1) as calls:
-        (output,) = pictures.draw(experiment, tmp_path, calls)
-    assert output.name == "" and "could not be drawn" in output.caption

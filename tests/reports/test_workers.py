@@ -12,23 +12,18 @@ from pathlib import Path
 import pytest
 
 from adapters.processes import pool as pools
-from adapters.processes import worker
 
 from ..full_disk import full_disk
 from .called import (
     ends_itself_at_first,
     group_of_rest,
     grow,
-    import_engines,
     leave_behind,
-    meet,
     misbehave,
-    prepared,
     remove_and_fail,
     remove_folder_above,
     reserve,
     scribble_and_hang,
-    waits,
     whose,
 )
 
@@ -87,12 +82,6 @@ def test_a_call_works_in_an_empty_folder_that_is_gone_afterwards_and_its_output_
 def test_arguments_that_cannot_travel_are_an_answer():
     ((_, answer),) = run(misbehave, [(lambda: None,)])
     assert answer.outcome == "raised" and "its arguments cannot be pickled" in answer.reason
-
-
-def test_an_answer_may_be_given_instead_of_a_call():
-    given = pools.CallResult("done", value="given")
-    calls = run(misbehave, [("exit",), ("exit",)], skip=lambda index: given)
-    assert calls == [(0, given), (1, given)]
 
 
 def test_address_space_is_not_bounded():
@@ -209,57 +198,3 @@ def wait_until(holds) -> None:
 def test_a_worker_that_has_grown_is_replaced():
     first, second, third = (answer.value for _, answer in run(grow, [(1,), (400,), (2,)]))
     assert first == second != third
-
-
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not report a process's memory")
-@pytest.mark.slow  # two seconds of imports
-def test_imports_leave_room_for_compiled_code():
-    """Else each timed case has a process of its own."""
-    for module in ("heyoka", "exudyn", "pymunk"):
-        pytest.importorskip(module)
-    ((_, answer),) = run(import_engines, [()])
-    assert 0 < 2 * answer.value < worker._GROWTH_BYTES
-
-
-def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle(tmp_path):
-    """Calls of one number wait for each other, so that neither worker is ever ahead."""
-    order = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
-    other = {"a": "b", "b": "a"}
-    calls = [(thing, f"{thing}{n}", f"{other[thing]}{n}", tmp_path) for thing, n in order]
-    outcome_text = {order[i]: answer.value for i, answer in run(meet, calls, jobs=2)}
-    of_a, of_b = ({outcome_text[thing, n] for n in (1, 2, 3)} for thing in other)
-    assert len(of_a) == len(of_b) == 1 and of_a != of_b
-    alone = [("a", f"{n}", f"{n ^ 1}", tmp_path) for n in range(6)]
-    assert len({answer.value for _, answer in run(meet, alone, jobs=2)}) == 2
-
-
-def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
-    # Every worker above imports this module, and has no use for the equations.
-    from reports.running import experiment
-
-    ladder = [("c", "s", "r", f"h={h}", i, None) for i, h in enumerate((1, 2, 3))]
-    elsewhere = ("c", "s", "q", "h=1", 0, None)
-    slow = [ladder[1]]
-    assert experiment.hopeless(ladder[0], slow) is None and experiment.hopeless(elsewhere, slow) is None
-    outcome_text = experiment.hopeless(ladder[2], slow)
-    assert (
-        outcome_text is not None and outcome_text.outcome == "timed_out" and "h=2 had timed out" in outcome_text.reason
-    )
-    assert not outcome_text.lasting
-
-
-def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
-    pool = pools.WorkerPool(2)
-    try:
-        pool.begin(["", "engines"], "reports.running.tasks")
-        outcome_text = [
-            answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)
-        ]
-        assert len(set(outcome_text)) == 1 and outcome_text[0][1]
-        # Others may take longer: the second is not left waiting.
-        outcome_text = [
-            answer.value[0] for _, answer in pool.run(waits, [(0.05, i) for i in range(4)], groups=[""] * 4)
-        ]
-        assert len(set(outcome_text)) == 2
-    finally:
-        pool.close()
