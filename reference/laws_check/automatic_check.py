@@ -7,6 +7,7 @@ from __future__ import annotations
 from cmath import phase as angle_of
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,12 +20,14 @@ from cases.scene.free_plates import loads_of, names_of, plates_of
 from cases.scene.supports import TRACK
 
 from ..curvature_proof import fits
+from ..endings import CAUSES
 from ..scales import force_scale, load_acceleration, speed_scale
 from . import laws, penetration
 from .broken_laws import OVERLAP, BrokenLaw, worst_first
+from .contact_impulse import landing_defect
 from .instants import PhaseInstants
 from .laws import ENERGY
-from .samples import ContactLaw, PlateSamples, parameters_near
+from .samples import ContactLaw, PlateSamples, law_at, parameters_near, place_at
 from .tolerances import part_of
 
 # Phases, each with the one that begins where it ends.
@@ -66,38 +69,27 @@ def faults_at(
 
 def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
     plates, gravity, loads = plates_of(case), case.effect(Gravity), loads_of(case)
-    reach, largest = [plate.reach for plate in plates], [0.0] * len(plates)
-    speed, extent, outer = 0.0, 0.0, 0.0
+    reach, largest, outer = [plate.reach for plate in plates], [0.0] * len(plates), 0.0
+    every = [(*one, size) for p in phases for poses in p.plates for one, size in zip(poses, reach, strict=True)]
+    speeds = [abs(velocity) + size * abs(spin) for _, _, velocity, spin, size in every]
+    speeds += [phase.belt for phase in phases]
     for phase in phases:
-        for poses in phase.plates:
-            for (place, _, velocity, spin), size in zip(poses, reach, strict=True):
-                if (fast := abs(velocity) + size * abs(spin)) > speed:
-                    speed = fast
-                if (far := abs(place) + size) > extent:
-                    extent = far
         for touch in zip(*phase.contacts, strict=True):  # each contact at all instants
-            law, most = touch[0][0], 0.0
-            for _, _, slip, normal, friction, _ in touch:
-                if abs(slip) > speed:
-                    speed = abs(slip)
-                if abs(normal) > most:
-                    most = abs(normal)
-                if abs(friction) > most:
-                    most = abs(friction)
-            for body in (law.body,) if law.base is None else (law.body, law.base):
-                if most > largest[body]:
-                    largest[body] = most
+            speeds += [abs(slip) for _, _, slip, *_ in touch]
+            forces = [size for one in touch for size in (abs(one[3]), abs(one[4])) if size == size]  # none is NaN
+            for body in (touch[0][0].body, touch[0][0].base):
+                if body is not None:
+                    largest[body] = max(largest[body], *forces, 0.0)
         for b, load in enumerate(loads):
             if load is not None:  # at the start of each phase
                 place, turn, velocity, spin = phase.plates[0][b]
                 state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
                 outer = max(outer, load_acceleration(plates[b], load, phase.times[0], state))
-        if phase.belt > speed:
-            speed = phase.belt
+    extent = max([abs(place) + size for place, *_, size in every])
     size, acceleration = max(reach), (gravity.g if gravity else 0.0) + outer
-    speed = max(speed, speed_scale(acceleration, size)) or size / case.duration
-    forces = [force_scale(f, p.mass, acceleration, speed, extent) for f, p in zip(largest, plates, strict=True)]
-    return _Scales(speed, extent, reach, forces)
+    speed = max(*speeds, speed_scale(acceleration, size)) or size / case.duration
+    scale = [force_scale(f, p.mass, acceleration, speed, extent) for f, p in zip(largest, plates, strict=True)]
+    return _Scales(speed, extent, reach, scale)
 
 
 def _at_contacts(case: Case, phases: list[PhaseInstants], scales: _Scales, part: float) -> Iterator[BrokenLaw]:
@@ -118,39 +110,30 @@ def _at_contacts(case: Case, phases: list[PhaseInstants], scales: _Scales, part:
 
 
 def _at_joins(case: Case, following: Neighbours, scales: _Scales, part: float) -> Iterator[BrokenLaw]:
-    """Poses are continuous from phase to phase."""
-    names, far = names_of(case), part * scales.extent
+    """Poses are continuous from phase to phase, and without impacts velocities are."""
+    steady, has_impacts = {"m": part * scales.extent, "rad": part}, case.effect(Impact) is not None
     for one, other in following:
-        for name, a, b in zip(names, one.plates[-1], other.plates[0], strict=True):
-            if (off := abs(b[0] - a[0])) > far:
-                yield BrokenLaw("place is continuous", name, other.times[0], off, "m", far)
-            if (off := abs(b[1] - a[1])) > part:
-                yield BrokenLaw("angle is continuous", name, other.times[0], off, "rad", part)
+        for law, name, size, unit in laws.at_join(case, one.plates[-1], other.plates[0]):
+            limit = steady.get(unit, inf if has_impacts else part * scales.speed)
+            if unit == "rad/s" and not has_impacts:
+                limit /= scales.reach[names_of(case).index(name)]
+            if size > limit:
+                yield BrokenLaw(law, name, other.times[0], size, unit, limit)
 
 
 def _of_energy(
     case: Case, phases: list[PhaseInstants], following: Neighbours, scales: _Scales, part: float
 ) -> Iterator[BrokenLaw]:
-    """Energy is not created."""
-    if not laws.keeps_energy(case):
-        return
-    gravity = case.effect(Gravity)
-    gx, gy = gravity.vector if gravity else (0.0, 0.0)
-    rows = [(0.5 * p.mass, 0.5 * p.inertia if p.turns else 0.0, p.mass * gx, p.mass * gy) for p in plates_of(case)]
-    limit = part * sum([2.0 * row[0] * scales.speed**2 + (abs(row[2]) + abs(row[3])) * scales.extent for row in rows])
-    before: float | None = None
-    follows = set() if laws.impacts_create_energy(case) else {other.number for _, other in following}
-    for phase in phases:
-        if phase.number not in follows:
-            before = None
-        for t, poses in zip(phase.times, phase.plates, strict=True):
-            energy = 0.0
-            for (mass, inertia, wx, wy), (place, _, velocity, spin) in zip(rows, poses, strict=True):
-                energy += mass * (velocity.real**2 + velocity.imag**2) - wx * place.real - wy * place.imag
-                energy += inertia * spin * spin
-            if before is not None and energy - before > limit:
-                yield BrokenLaw(ENERGY, "", t, energy - before, "J", limit)
-            before = energy
+    """Energy is not created in phases, nor from one to the next."""
+    rows, pairs = laws.energy_rows(case), list[tuple]()
+    limit = part * laws.energy_scale(rows, scales.speed, scales.extent)
+    if laws.keeps_energy(case):
+        pairs += [(t, *both) for p in phases for t, both in zip(p.times[1:], pairwise(p.plates), strict=True)]
+    if laws.impacts_keep_energy(case):
+        pairs += [(other.times[0], one.plates[-1], other.plates[0]) for one, other in following]
+    for t, before, after in pairs:
+        if (gain := laws.energy_of(rows, after) - laws.energy_of(rows, before)) > limit:
+            yield BrokenLaw(ENERGY, "", t, gain, "J", limit)
 
 
 def _jumps(following: Neighbours, scales: _Scales, part: float) -> Neighbours:
@@ -167,30 +150,19 @@ def _jumps(following: Neighbours, scales: _Scales, part: float) -> Neighbours:
 def _at_impacts(
     case: Case, transitions: Sequence[Transition], sudden: Neighbours, contacts: set[str], scales: _Scales, part: float
 ) -> Iterator[BrokenLaw]:
-    """Velocities jump in impacts only, and these obey their laws."""
-    if case.effect(Impact) is None:
-        names, fast = names_of(case), part * scales.speed
-        for one, other in sudden:
-            for name, a, b, size in zip(names, one.plates[-1], other.plates[0], scales.reach, strict=True):
-                if (off := abs(b[2] - a[2])) > fast:
-                    yield BrokenLaw("velocity is continuous", name, other.times[0], off, "m/s", fast)
-                if (off := abs(b[3] - a[3])) > fast / size:
-                    yield BrokenLaw("spin is continuous", name, other.times[0], off, "rad/s", fast / size)
+    """Impacts obey their law, of a plate that has one contact."""
+    names = contacts | {change.contact or CONTACT for change in transitions}
+    if case.effect(Impact) is None or case.others or case.supports or len(names) > 1:
         return
-    law = laws.impact_law(case, transitions, contacts)
-    if law is None:
-        return
-    points = laws.landing_points(law, transitions, [other.times[0] for _, other in sudden])
+    law, limit = law_at(case, *names or {CONTACT}), part * scales.speed
+    places = {change.time: change.xi1 for change in transitions if change.cause == CAUSES["landing"]}
     for one, other in sudden:
         (centre, _, *before), (_, _, *after), t = one.plates[-1][0], other.plates[0][0], other.times[0]
-        every = [("", *row) for row in laws.energy_of_impact(case, law, before, after, scales.speed)]
-        if t in points:
-            point, tangent = points[t]
-            rows = laws.landing_laws(case, law, t, point - centre, tangent, before, after, scales.speed)
-            every += [(law.name, *row) for row in rows]
-        for place, name, size, scale, unit in every:
-            if size > part * scale:
-                yield BrokenLaw(name, place, t, float(size), unit, part * scale)
+        if t in places:
+            point, tangent = place_at(law.track, places[t])
+            off = landing_defect(case, law, t, point - centre, tangent, before, after)
+            if off > limit:
+                yield BrokenLaw("law of impact", law.name, t, off, "m/s", limit)
 
 
 def _overlaps(

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cases import Chain, Curve, Impact, Mode, StartPose, Trajectory, Unilateral
+from cases import Chain, Impact, Mode, StartPose, Trajectory, Unilateral
 from cases.contact.geometry import level_parameter
 from cases.motion.trajectory import CONTACT
-from cases.scene.free_plates import names_of
-from cases.scene.supports import TRACK, base_of
+from cases.scene.free_plates import names_of, plates_of
 
 from ..endings import (
     ACCUMULATION,
@@ -26,12 +25,12 @@ from ..endings import (
 from . import events
 from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
-from .meetings import meeting_gaps
+from .meetings import meetings
 from .next_motion import Consistent, NextMotions, next_motions
 from .penetration import corners_of, distance
 from .samples import CLOSE, MotionSamples, law_at
 from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP
-from .touches import TouchNow, plates_at, row_of, touch
+from .touches import TouchNow, is_at_joint, plates_at, row_of, touch, touches_at
 
 # Accelerations that differ by less than this part of the largest are one.
 SAME = 1e-6
@@ -42,6 +41,9 @@ SINGULAR = 1e5
 MEETINGS = (LANDING_END[0], FLAT[0])
 # A gap that is none, in parts of the scene's size.
 MEETS = 1e-9
+# Points of a pair closer than this part of the plate's size are one.
+APART = 1e-5
+CURVE_ENDS = (ENDS["track_end"][0], ENDS["outline_end"][0])
 NO_MOTION = (NO_MODE[0], ACCUMULATION[0], BREAKDOWN)
 
 
@@ -139,8 +141,8 @@ def end_defects(
     yield _one("ends at its duration", "", end, abs(far) if status == COMPLETION[0] else far, duration, "s", 4 * EPS)
     if status == LIFT_OFF[0]:
         yield from _lift_off(samples, scales, end)
-    elif status == ENDS["track_end"][0]:
-        yield from _track_end(samples, end)
+    elif status in CURVE_ENDS:
+        yield from _curve_end(samples, end, is_track=status == CURVE_ENDS[0])
     elif status in MEETINGS:
         yield from _meeting(samples, scales, end)
     elif status == NOT_UNIQUE or status in NO_MOTION and scales.condition[-1] < SINGULAR:
@@ -165,63 +167,55 @@ def _of_next_motions(follow: NextMotions, status: str, end: float) -> Defects:
 
 
 def _lift_off(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
-    """The normal force of a contact vanishes, and its slope is negative."""
+    """The normal force of a contact vanishes, and its slope is negative, or a corner slides off a corner."""
     if samples.case.effect(Unilateral) is None:
         return
     step = len(samples.start) - 1
+    closed = [(c, row) for c in samples.contacts if (row := row_of(c, step)) is not None]
     every = [
         events.vanishing(samples, scales, events.normal_guard(samples, scales, contact, row), contact.law.name, step)
-        for contact in samples.contacts
-        if (row := row_of(contact, step)) is not None
+        for contact, row in closed
     ]
-    if every:  # one of them is enough
+    if every and not any(events.leaves_piece(*one) for one in closed):  # one of them is enough
         yield min(every, key=lambda one: float(one.sizes[0] / one.limit(0.0)[0]))
 
 
-def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
-    ends = samples.case.track.ends
-    step = len(samples.start) - 1
-    rows = [(c, row_of(c, step)) for c in samples.contacts if base_of(c.law.name) == TRACK]
-    places = [float(c.xi1[row, -1]) for c, row in rows if row is not None]
-    if ends is None or not places:
-        yield _one("track ends", CONTACT, end, 1.0, 1.0, "of its length", 0.5)
-        return
-    far = min(abs(place - e) for place in places for e in ends) / (ends[1] - ends[0])
-    corners = corners_of(samples.case.plate.outline)
-    if isinstance(samples.case.plate.outline, Chain) and corners is not None:  # a side that turned flat may reach it
-        plates, points = plates_at(samples, step, -1), samples.case.track.point(np.array(ends))
-        own = (points[0] + 1j * points[1] - plates.place[0]) / plates.turn[0]
-        far = min(far, float(np.abs(distance(own, corners)).min()) / samples.case.plate.reach)
-    yield _one("track ends", CONTACT, end, far, 1.0, "of its length", AT_END)
+def _curve_end(samples: MotionSamples, end: float, is_track: bool) -> Iterator[Defects]:
+    """A contact is at an end of its track or support, or else of its outline."""
+    step, far = len(samples.start) - 1, 1.0
+    for contact in samples.contacts:
+        row, law = row_of(contact, step), contact.law
+        curve, places = (law.track, contact.xi1) if is_track else (law.outline, contact.xi2)
+        if row is None or curve.ends is None or law.base is not None:
+            continue
+        far = min(far, *(abs(places[row, -1] - e) / (curve.ends[1] - curve.ends[0]) for e in curve.ends))
+        corners = corners_of(law.outline)
+        if isinstance(law.outline, Chain) and corners is not None:  # a side that turned flat may reach it
+            plates, points = plates_at(samples, step, -1), curve.point(np.array(curve.ends))
+            own = (points[0] + 1j * points[1] - plates.place[law.body]) / plates.turn[law.body]
+            far = min(far, float(np.abs(distance(own, corners)).min()) / plates_of(samples.case)[law.body].reach)
+    yield _one("track ends" if is_track else "outline ends", CONTACT, end, far, 1.0, "of its length", AT_END)
 
 
 def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
-    """A plate meets a curve in a place where it is not in contact."""
-    if (least := _least_gap(samples)) is not None:
-        yield _one("plate meets a curve", "", end, least, scales.extent, "m", MEETS)
+    """A plate meets a curve or another plate in a place where it is not in contact."""
+    yield _one("plate meets a curve", "", end, _least_gap(samples), scales.extent, "m", MEETS)
 
 
-def _least_gap(samples: MotionSamples) -> float | None:
-    """The least gap (m) at the end of a motion between its plate and a curve; None if it is not known, as of several
-    plates."""
-    case = samples.case
-    curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
-    every = [None] if case.others else [_free_gaps(samples, *one) for one in curves]
-    return None if None in every else min((gap for gaps in every for gap in gaps or ()), default=np.inf)
-
-
-def _free_gaps(samples: MotionSamples, base: str, curve: Curve) -> list[float] | None:
-    """The gaps at the end of a motion between its plate and a curve, but for those of closed contacts; None where they
-    are not known."""
-    step = len(samples.start) - 1
-    plates = plates_at(samples, step, -1)
-    rows = [(one, row_of(one, step)) for one in samples.contacts if base_of(one.law.name) == base]
-    closed = [float(contact.xi1[row, -1]) for contact, row in rows if row is not None]
-    return meeting_gaps(curve, samples.case.plate, complex(plates.place[0]), complex(plates.turn[0]), closed)
+def _least_gap(samples: MotionSamples) -> float:
+    """The least gap (m) at the end of a motion away from its contacts; none where one of these comes to another piece,
+    which it may meet."""
+    step, end, reach = len(samples.start) - 1, float(samples.end[-1]), [p.reach for p in plates_of(samples.case)]
+    closed = touches_at(samples, step, -1)
+    if any(is_at_joint(one.law.track, one.xi1) or is_at_joint(one.law.outline, one.xi2) for one in closed):
+        return 0.0
+    gaps = [
+        abs(one.gap) for one in meetings(samples, plates_at(samples, step, -1), end)
+        if all(abs(one.point - other.point) > APART * reach[one.law.body] for other in closed)
+    ]  # fmt: skip
+    return min(gaps, default=np.inf)
 
 
 def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
-    """Whether a plate may meet something at the end of a motion that it does not touch: of several plates that is not
-    known."""
-    least = None if is_impact(samples, scales, rtol) else _least_gap(samples)
-    return least is None or least < (MEETS + PARTS * rtol) * scales.extent
+    """Whether a plate may meet something at the end of a motion."""
+    return is_impact(samples, scales, rtol) or _least_gap(samples) < (MEETS + PARTS * rtol) * scales.extent

@@ -16,9 +16,9 @@ from cases.motion.trajectory import CONTACT
 from ..endings import CAUSES
 from . import chebyshev
 from .laws import SENSE, STICKING, Defects, MotionScales, force_scale_at, relative_spin
-from .samples import CLOSE, ContactInstants, MotionSamples, law_at
+from .samples import CLOSE, MIDDLE, ContactInstants, MotionSamples, law_at
 from .tolerances import AMPLIFICATION, CLOSED, EPS
-from .touches import is_at_joint, plates_at, row_of, touch
+from .touches import JOINT, bend_at, is_at_joint, plates_at, row_of, to_joint, touch
 
 # A quantity that falls by less than this part of its scale in a step grazes zero: its slope is no measure of time.
 GRAZES, GRAZING = 1e-6, 1e-10
@@ -26,6 +26,8 @@ GRAZES, GRAZING = 1e-6, 1e-10
 ROUNDING = 40 * EPS
 # Part of the duration that is an error of a time; of landings, whose places are searched.
 INSTANT, LANDING = 1e-12, 1e-11
+# A parameter that changes by less than this in half a step rests.
+MOVES_ON = 1e-6
 # Impacts whose intervals have a ratio below one that changes by less than the other have a known limit.
 MOST_RATIO, RATIO_CHANGE = 0.95, 0.02
 # Causes after which another condition than that of the modes vanishes.
@@ -33,7 +35,7 @@ _GUARDS = {
     CAUSES["slip"]: "slip", CAUSES["cone_forward"]: "cone", CAUSES["normal_force"]: "normal", CAUSES["turn"]: "turn",
 }  # fmt: skip
 _OTHER_GUARDS = (CAUSES["couple_forward"],)
-_OTHER_CAUSES = (CAUSES["piece"], CAUSES["track_start"], CAUSES["rest"])
+_OTHER_CAUSES = (CAUSES["track_start"], CAUSES["rest"])
 
 
 class Guard(NamedTuple):
@@ -64,8 +66,16 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
         contact = next((c for c in samples.contacts if c.law.name == (change.contact or CONTACT)), None)
         if contact is None:
             continue
-        row = row_of(contact, step)
-        if row is None or is_at_joint(contact.law.outline, contact.xi2[row, -1]) and _moves_on(contact, row):
+        row, when = row_of(contact, step), np.array([change.time])
+        if row is None:  # it opened before
+            yield Defects("contact is closed", contact.law.name, when, samples.length[[step]], last, "s", INSTANT)
+            continue
+        if leaves_piece(contact, row):
+            continue
+        if change.cause == CAUSES["piece"]:
+            law, points = contact.law, (contact.xi2[row, -1], contact.xi1[row, -1])
+            off = min(to_joint(curve, s) for curve, s in zip((law.outline, law.track), points, strict=True))
+            yield Defects("a piece ends", law.name, when, np.array([off]), 1.0, "m", JOINT)
             continue
         is_impact = bool(len(impacts)) and np.abs(impacts - change.time).min() <= near
         if is_impact or "another contact" in change.cause:
@@ -75,9 +85,13 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
         yield from _sense(samples, scales, contact, row, change)
 
 
-def _moves_on(contact: ContactInstants, row: int) -> bool:
-    """Whether the contact moves along the outline in a step: it passes to the next piece at its end."""
-    return abs(contact.xi2[row, -1] - contact.xi2[row, len(contact.xi2[row]) // 2]) > 1e-6
+def leaves_piece(contact: ContactInstants, row: int) -> bool:
+    """Whether a contact moves in a step to the end of a piece of its outline, or with a corner of its plate to that of
+    a piece of its track: it passes to the next piece there, or a corner slides off a corner."""
+    law, ends = contact.law, list[bool]()
+    for curve, place in ((law.outline, contact.xi2[row]), (law.track, contact.xi1[row])):
+        ends.append(is_at_joint(curve, place[-1]) and abs(place[-1] - place[MIDDLE]) > MOVES_ON)
+    return ends[0] or ends[1] and np.isinf(bend_at(law.outline, contact.xi2[row, -1]))
 
 
 def _guards(

@@ -14,11 +14,12 @@ from cases.formulas import formula_symbols
 from cases.formulas.expression_code import ON_ARRAYS, python_function
 from cases.formulas.expression_graph import Node, derivatives, from_sympy, symbol
 from cases.formulas.features import degree
+from cases.motion.trajectory import CONTACT
 from cases.scene.free_plates import loads_of, names_of, plates_of
 
 from .formula_intervals import enclosure
 from .laws import MotionScales
-from .samples import MotionSamples
+from .samples import MotionSamples, contact_of, state_of
 
 # Instants in each part of a step at which formulas are looked at, and how much wider than these values their arguments
 # may be.
@@ -100,19 +101,20 @@ def _path_formulas(
     every = np.flatnonzero(~samples.is_straight)
     for name, plate, load in zip(names_of(case), plates_of(case), loads_of(case), strict=True):
         if load is not None:
-            columns = _state_columns(motion, name)
+            state = lambda t, n=name: np.array([t, *np.broadcast_arrays(t, *state_of(motion, n, t)[:6])[1:]])  # noqa: E731
             for part in load.expression:
-                yield from _one(formula_symbols.MOTION, part, columns, plate.mass * scales.acceleration, every)
+                yield from _one(formula_symbols.MOTION, part, state, plate.mass * scales.acceleration, every)
     for contact in samples.contacts:
         law, steps = contact.law, contact.steps[~samples.is_straight[contact.steps]]
-        column = _contact_column(motion, law.name)
+        own = motion.contact_names[[n or CONTACT for n in motion.contact_names].index(law.name)]
+        column = lambda which, t, n=own: np.broadcast_to(getattr(contact_of(motion, n, t), which), t.shape)[None]  # noqa: E731
         if law.belt is not None:
             yield from _one((formula_symbols.TIME,), law.belt.expression, lambda t: t[None], scales.speed, steps)
         if law.friction is not None and law.friction.by_speed:
-            slip = lambda t, c=column: np.abs(c("slip", t))[None]  # noqa: E731
+            slip = lambda t, c=column: np.abs(c("slip", t))  # noqa: E731
             yield from _one((formula_symbols.SLIP_SPEED,), law.friction.mu, slip, 0.0, steps)
         for bend in _bends(law.track) if law.base is None else ():
-            xi1 = lambda t, c=column: c("xi1", t)[None]  # noqa: E731
+            xi1 = lambda t, c=column: c("xi1", t)  # noqa: E731
             if degree(bend, bend.symbols) > 2:
                 yield PathFormula(bend, _function(("s",), bend), ("s",), xi1, 100.0 / scales.size, steps)
 
@@ -142,21 +144,3 @@ def _bends(track: Curve) -> tuple[Node, ...]:
     if parameter is None:
         return ()
     return tuple(bend for bend in derivatives(derivatives(rows, parameter), parameter) if bend.symbols)
-
-
-def _state_columns(motion: Trajectory, name: str) -> Callable[[np.ndarray], np.ndarray]:
-    def columns(t: np.ndarray) -> np.ndarray:
-        state = motion.plate_columns(name, t) if motion.plate_columns is not None else motion.dense(t)  # type: ignore[misc]
-        return np.array([t, *(np.broadcast_to(v, t.shape) for v in state[:6])])
-
-    return columns
-
-
-def _contact_column(motion: Trajectory, name: str) -> Callable[[str, np.ndarray], np.ndarray]:
-    def column(which: str, t: np.ndarray) -> np.ndarray:
-        if motion.contact_columns is None:
-            return np.broadcast_to(getattr(motion.dense(t), which), t.shape)  # type: ignore[misc]
-        own = getattr(motion.contact_columns, "without_ranges", motion.contact_columns)
-        return np.broadcast_to(getattr(own(name, t), which), t.shape)
-
-    return column

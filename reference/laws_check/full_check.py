@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 
 import numpy as np
 
-from cases import BadValue, Case, Trajectory
+from cases import BadValue, Case, Trajectory, Transition
 from cases.moving_frame import in_track_frame, relative_case
 
 from ..endings import CAUSES
@@ -140,9 +140,8 @@ def _other_defects(
     is_series = ~(_is_listed(samples, sudden.times, every.steps) & _is_listed(samples, sudden.times, every.steps - 1))
     yield from laws.continuity_defects(samples, every, scales, is_series)
     if len(sudden.steps):
-        yield from laws.impact_defects(samples.case, sudden, scales)
         yield from impact_defects(samples, scales, sudden, rtol)
-    yield from laws.energy_defects(samples, scales.speed)
+    yield from laws.energy_defects(samples, scales)
     yield from event_defects(samples, scales, sudden.times)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", OVERLAPS)
@@ -152,9 +151,18 @@ def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) ->
     """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not
     those of a series of impacts that are not listed, from the last transition before one of these to its end."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
-    rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
     others = np.setdiff1d(sudden, instants)
     first = instants[np.searchsorted(instants, others) - 1]
-    last = rests[np.searchsorted(rests, others)]
+    last = np.array([_rest_after(samples.transitions, t) for t in others.tolist()])
     start = samples.start[steps]
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
+
+
+def _rest_after(transitions: Sequence[Transition], t: float) -> float:
+    """When all series of impacts that go on at a time (s) are over: those of contacts whose next change is a rest, else
+    the next one; infinite without one."""
+    after = [change for change in transitions if change.time > t]
+    rests = [change.time for change in after if change.cause == CAUSES["rest"]]
+    following = {change.contact: change for change in reversed(after)}.values()
+    every = [change.time for change in following if change.cause == CAUSES["rest"]]
+    return max(every, default=min(rests, default=np.inf))

@@ -8,14 +8,14 @@ from itertools import product
 import numpy as np
 
 from cases import Impact, Mode
-from cases.contact.nearest import contacts
 from cases.motion.trajectory import CONTACT
-from cases.scene.couples import couples
 
 from ..endings import CAUSES
 from .broken_laws import worst
+from .contact_impulse import impulse_of_one, impulses_at_once
 from .laws import Defects, Joins, MotionScales
-from .samples import CLOSE, MotionSamples, law_at
+from .meetings import meetings
+from .samples import CLOSE, MotionSamples, contact_of, law_at
 from .tolerances import AMPLIFICATION, CLOSED, PARTS
 from .touches import PlatesNow, TouchNow, couple_row, masses, plates_at, touch, touches_at
 
@@ -25,10 +25,10 @@ ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
 # (solver/impact_ends.py): contacts that would open so slowly stay closed. What changes velocities by at most a hundred
 # times as much is compared to within it.
 ABSORBED, OF_ABSORBED = 1e-7, 100.0
+# The slips of impacts that follow each other, in parts of the way from that before them to that after them.
+PARTS_OF_SLIP = np.linspace(-1.0, 2.0, 13)
 # A gap below this part of the scene's size is closed.
 TOUCHES = 1e-9
-# Slip stops and compression ends a few times in an impact.
-MOST_PHASES = 20
 
 
 def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
@@ -82,16 +82,12 @@ def impact_at(
 def _unlisted(
     samples: MotionSamples, scales: MotionScales, plates: PlatesNow, places: list[TouchNow], time: float
 ) -> list[TouchNow]:
-    """Further places at which plates touch, by all pairs of their curves: two that touch at one instant only, and part
-    by the impact of others, have no transition."""
-    poses, results = np.column_stack([plates.place.real, plates.place.imag, plates.angle]).ravel(), list[TouchNow]()
-    for couple in couples(samples.case):
-        law = law_at(samples.case, couple.pair_name)
-        for one in contacts(couple.track, couple.plate.outline, *map(float, couple.relative_pose(poses))):
-            at = touch(samples.case, law, Mode.FLIGHT, plates, couple.whole_xi1(one.xi1), one.xi2, time)
-            least = TOUCHES * scales.extent
-            if abs(at.gap) < least and all(abs(at.point - other.point) > least for other in [*places, *results]):
-                results.append(at)
+    """Further places at which plates touch: two that touch at one instant only, and part by the impact of others, have
+    no transition."""
+    results, least = list[TouchNow](), TOUCHES * scales.extent
+    for at in meetings(samples, plates, time):
+        if abs(at.gap) < least and all(abs(at.point - other.point) > least for other in [*places, *results]):
+            results.append(at)
     return results
 
 
@@ -123,10 +119,9 @@ def places_of_impact(
         if abs(change.time - time) <= near and np.isfinite(change.xi1 + change.xi2):
             places.setdefault(change.contact or CONTACT, (change.xi1, change.xi2, Mode.ROLL))
     if motion.contact_columns is not None:
-        columns = getattr(motion.contact_columns, "without_ranges", motion.contact_columns)
         for name in motion.contact_names:
             for t in (np.nextafter(time, -np.inf), time):
-                now = columns(name, np.array([min(max(t, 0.0), float(samples.end[-1]))]))
+                now = contact_of(motion, name, np.array([min(max(t, 0.0), float(samples.end[-1]))]))
                 xi1, xi2 = float(now.xi1[0]), float(now.xi2[0])
                 if np.isfinite(xi1 + xi2):
                     places.setdefault(name, (xi1, xi2, Mode.FLIGHT))
@@ -157,8 +152,8 @@ def _one_impact(
         velocity, (moving, stick) = np.array([slip, closing]), map(float, law.in_impact(slip))
         every = [impulse_of_one(matrix, velocity, moving, stick, law.impact)]
         if case.others:  # plates that nearly touch have one impact by complementarity
-            every += _impulses_at_once(matrix, velocity, moving, stick, law.impact)
-        off = min(_size(jump - inverse * (rows.T @ each), scales) for each in every)
+            every += impulses_at_once(matrix, velocity, moving, stick, law.impact)
+        off = min(_size(jump - inverse * (np.array(each) @ rows), scales) for each in every)
         yield Defects("law of impact", law.name, when, np.array([off]), scales.speed, "m/s", ONE + floor)
         return
     yield from _impact_of_several(scales, places, (before, after), own * is_of_group, when, floor + PARTS * rtol)
@@ -169,92 +164,6 @@ def _size(rates: np.ndarray, scales: MotionScales) -> float:
     parts = rates.reshape(-1, 3)
     size = float((np.hypot(parts[:, 0], parts[:, 1]) + scales.size * np.abs(parts[:, 2])).max())
     return size if np.isfinite(size) else np.inf
-
-
-def impulse_of_one(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
-    """The impulse along tangent and normal (N s) of an impact at one contact, whose velocities (slip, closing) change
-    by `matrix` times it; `mu` and `stick`: coefficients of friction with slip and without. NaN where it has none."""
-    e = impact.restitution
-    if impact.law == "moreau":
-        return next(_whole_impulses(matrix, velocity, mu, stick, -e * velocity[1]), np.full(2, np.nan))
-    return _routh(matrix, velocity.astype(float), mu, stick, impact)
-
-
-def _impulses_at_once(
-    matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact
-) -> Iterator[np.ndarray]:
-    """The impulses of an impact whose law holds for whole impulses: with Poisson's restitution those of compression and
-    those of restitution, each with Coulomb's law and the slip at its end."""
-    e = impact.restitution
-    if impact.law != "poisson" or e == 0.0:
-        yield from _whole_impulses(matrix, velocity, mu, stick, -e * velocity[1])
-        return
-    for first in _whole_impulses(matrix, velocity, mu, stick, 0.0):
-        slip, closing = velocity + matrix @ first
-        normal = e * first[1]
-        tangential = [] if np.isinf(mu) else [-sense * mu * normal for sense in (1.0, -1.0)]
-        tangential = [t for t in tangential if t * (slip + matrix[0] @ (t, normal)) <= 0.0]
-        hold = -(slip + matrix[0, 1] * normal) / matrix[0, 0]
-        tangential += [hold] if abs(hold) <= stick * normal * (1.0 + 1e-12) else []
-        for t in tangential:
-            if closing + matrix[1] @ (t, normal) >= 0.0:
-                yield first + (t, normal)
-
-
-def _whole_impulses(
-    matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, goal: float
-) -> Iterator[np.ndarray]:
-    """Newton's restitution with Coulomb's law between the whole impulses and the velocities after the impact: the
-    impulses without slip, if that is consistent, and with it. Unbounded friction may lift the contact by itself."""
-    stop = -velocity[0] / matrix[0, 0]
-    if np.isinf(stick) and velocity[1] + matrix[1, 0] * stop >= goal:
-        yield np.array([stop, 0.0])
-    whole = np.linalg.solve(matrix, np.array([0.0, goal]) - velocity)
-    if whole[1] >= 0.0 and abs(whole[0]) <= stick * whole[1] * (1.0 + 1e-12):
-        yield whole
-    for sense in (1.0, -1.0):
-        normal = (goal - velocity[1]) / (matrix[1, 1] - sense * mu * matrix[1, 0])
-        if normal >= 0.0 and sense * (velocity[0] + (matrix[0, 1] - sense * mu * matrix[0, 0]) * normal) > 0.0:
-            yield np.array([-sense * mu * normal, normal])
-
-
-def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
-    """Routh's construction: friction follows the slip along the normal impulse, until compression and restitution
-    end."""
-    total, compression, goal = np.zeros(2), None, -impact.restitution * velocity[1]
-    for _ in range(MOST_PHASES):
-        sense = np.sign(velocity[0])
-        ratio = -sense * mu
-        if sense == 0.0:
-            ratio = -matrix[0, 1] / matrix[0, 0]
-            if abs(ratio) > stick:  # friction cannot hold it
-                ratio = -np.sign(matrix[0, 1]) * mu
-        if np.isinf(ratio):  # a perfectly rough contact stops its slip first
-            stop = -velocity[0] / matrix[0, 0]
-            total[0] += stop
-            velocity = np.array([0.0, velocity[1] + matrix[1, 0] * stop])
-            continue
-        change = matrix @ np.array([ratio, 1.0])
-        if sense == 0.0 and abs(matrix[0, 1]) <= stick * matrix[0, 0]:  # it sticks: a rounding of its slip is none
-            change[0] = 0.0
-        if compression is None:
-            rest = -velocity[1] / change[1] if change[1] > 0.0 else np.inf
-        elif impact.law == "poisson":
-            rest = impact.restitution * compression - (total[1] - compression)
-        else:
-            rest = (goal - velocity[1]) / change[1] if change[1] > 0.0 else np.inf
-        stop = -velocity[0] / change[0] if velocity[0] * change[0] < 0.0 else np.inf
-        part = max(min(rest, stop), 0.0)
-        if not np.isfinite(part):
-            break
-        total, velocity = total + part * np.array([ratio, 1.0]), velocity + part * change
-        if stop <= rest:
-            velocity[0] = 0.0
-        if rest <= stop:
-            if compression is not None or impact.restitution == 0.0:
-                return total
-            compression = total[1]
-    return np.full(2, np.nan)
 
 
 def _impact_of_several(
@@ -279,7 +188,9 @@ def _impact_of_several(
         is_exact = not follow and (impact.law == "moreau" or (e == 0.0 and len(places) > 1))
         if is_exact and opening + e * min(closing, 0.0) > limit:
             continue  # no impulse where it opens faster than by restitution
-        moving, stick = map(float, law.in_impact(one.slip))
+        # Of several that follow each has the friction of its own slip, near those before and after them all.
+        every = one.slip + (slip - one.slip) * (PARTS_OF_SLIP if follow else np.zeros(1))
+        moving, stick = (float(np.max(mu)) for mu in law.in_impact(every))
         sticks, certain = abs(slip) < limit, is_exact or moving == 0.0
         if np.isinf(moving) or (sticks and np.isinf(stick)):
             own_columns = [one.across]

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Mode, Transition
+from cases import Case, Gravity, Impact, Load, Mode
 from cases.formulas import formula_symbols
 from cases.formulas.expression_code import ON_ARRAYS, function_of
-from cases.motion.trajectory import CONTACT
 from cases.own_effects import ContactEffect, own_effects
 from cases.scene.free_plates import loads_of, names_of, plates_of
 from cases.scene.supports import has_belt
 
-from ..endings import CAUSES
 from ..scales import force_scale, speed_scale
 from .chebyshev import WEIGHTS
 from .samples import (
@@ -27,8 +25,6 @@ from .samples import (
     ContactLaw,
     MotionSamples,
     PlateSamples,
-    law_at,
-    place_at,
 )  # fmt: skip
 from .tolerances import AMPLIFICATION, EPS, EXACT, MOMENTUM, PARTS, POSE, SERIES
 
@@ -229,8 +225,8 @@ def contact_laws(
         return
     if mode in STICKING:
         yield "no slip", abs(slip), "m/s"
-    stick = law.stick
-    if isfinite(stick):
+    if isfinite(law.stick):
+        stick = law.stick if mode else np.maximum(law.stick, law.coefficient(slip))
         yield "Coulomb's cone", abs(friction) - stick * pressure, "N"
     if mode is Mode.SLIDE:
         yield "no friction", abs(friction), "N"
@@ -342,112 +338,72 @@ def jumps(every: Joins, reach: list[float], speed: float, part: float) -> Joins:
     return Joins(every.times[large], every.steps[large], every.before[..., large], every.after[..., large])
 
 
+def at_join(case: Case, before: Any, after: Any) -> Iterator[tuple[str, str, Any, str]]:
+    """How far each plate's place, angle, velocity and spin jump between two instants, given as rows of each plate in
+    numbers or arrays: the name of the law, the plate, the size and its unit."""
+    for name, a, b in zip(names_of(case), before, after, strict=True):
+        yield "place is continuous", name, abs(b[0] - a[0]), "m"
+        yield "angle is continuous", name, abs(b[1] - a[1]), "rad"
+        yield "velocity is continuous", name, abs(b[2] - a[2]), "m/s"
+        yield "spin is continuous", name, abs(b[3] - a[3]), "rad/s"
+
+
 def continuity_defects(
     samples: MotionSamples, every: Joins, scales: MotionScales, is_series: np.ndarray
 ) -> Iterator[Defects]:
-    """Poses are continuous, but for what is left of a hop in a series of impacts (`is_series`: which joins are)."""
-    change = np.abs(every.after[:, :2] - every.before[:, :2])
-    floor = np.where(is_series, SERIES, scales.poses)
-    for b, (name, size, one) in enumerate(zip(names_of(samples.case), scales.reach, samples.plates, strict=True)):
-        scale = np.abs(every.after[b, 0]) + size
-        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m", floor)
-        turns = turns_of(one, scales.last)
-        yield Defects("angle is continuous", name, every.times, change[b, 1], turns, "rad", floor)
+    """Poses are continuous, but for what is left of a hop in a series of impacts (`is_series`: which joins are), and
+    without impacts velocities are."""
+    poses = np.where(is_series, SERIES, scales.poses)
+    rates = MOMENTUM + AMPLIFICATION * float(scales.condition.max())
+    rates = np.inf if samples.case.effect(Impact) is not None else rates
+    for law, name, size, unit in at_join(samples.case, every.before, every.after):
+        b = names_of(samples.case).index(name)
+        reach, one = scales.reach[b], samples.plates[b]
+        scale = {
+            "m": np.abs(every.after[b, 0]) + reach, "rad": turns_of(one, scales.last), "m/s": scales.speed,
+            "rad/s": scales.speed / reach,
+        }[unit]  # fmt: skip
+        yield Defects(law, name, every.times, size, scale, unit, rates if unit.endswith("/s") else poses)
 
 
-def impact_defects(case: Case, sudden: Joins, scales: MotionScales) -> Iterator[Defects]:
-    """Velocities jump in impacts only."""
-    if case.effect(Impact) is None:
-        floor = MOMENTUM + AMPLIFICATION * float(scales.condition.max())
-        changes = zip(names_of(case), np.abs(sudden.after - sudden.before), scales.reach, strict=True)
-        for name, (_, _, change, spin), size in changes:
-            yield Defects("velocity is continuous", name, sudden.times, change, scales.speed, "m/s", floor)
-            yield Defects("spin is continuous", name, sudden.times, spin, scales.speed / size, "rad/s", floor)
-
-
-def impact_law(case: Case, transitions: Sequence[Transition], contacts: set[str]) -> ContactLaw | None:
-    """The laws at the only contact of a motion; None if several may share an impulse."""
-    names = {change.contact or CONTACT for change in transitions}
-    if case.others or len(contacts | names) > 1 or case.supports:
-        return None
-    return law_at(case, (names or {CONTACT}).pop())
-
-
-def landing_points(
-    law: ContactLaw, transitions: Sequence[Transition], times: Sequence[float]
-) -> dict[float, tuple[complex, complex]]:
-    """The track's points and unit tangents, complex, where the plate lands at some of these times (s), by time."""
-    places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
-    return {t: place_at(law.track, places[t]) for t in times if t in places}
-
-
-def energy_of_impact(
-    case: Case, law: ContactLaw, before: Any, after: Any, speed: float
-) -> Iterator[tuple[str, Any, float, str]]:
-    """A friction that is no belt's gives no energy to a plate that nothing turns; before and after: velocity and spin,
-    numbers or arrays."""
-    plate, impact = case.plate, case.effect(Impact)
-    assert impact is not None, "a velocity that jumps needs a law of impact"
-    if law.belt is None and not plate.spins_by_load and (impact.law == "poisson" or impact.restitution == 0.0):
-        inertia = plate.inertia if plate.turns else 0.0
-        work = plate.mass * ((after[0] - before[0]).conjugate() * (after[0] + before[0])).real
-        work = work + inertia * ((after[1] - before[1]) * (after[1] + before[1])).real
-        yield ENERGY, 0.5 * work, plate.mass * speed * speed, "J"
-
-
-def landing_laws(
-    case: Case, law: ContactLaw, when: Any, arm: Any, tangent: Any, before: Any, after: Any, speed: float
-) -> Iterator[tuple[str, Any, float, str]]:
-    """The laws of impacts at one contact, for each its name, how far it is broken, the scale and the unit. Times (s),
-    its arm from the centre of mass, the track's unit tangent, and velocity and spin before and after are numbers or
-    arrays.
-
-    The impulse presses, lies in the cone and acts at the contact, and the normal velocity turns to −e times itself.
-    Poisson's restitution has that only if the centre of mass lies on the normal."""
-    plate, impact = case.plate, case.effect(Impact)
-    assert impact is not None, "a velocity that jumps needs a law of impact"
-    scale, along = plate.mass * speed, tangent.conjugate()
-    change, turned = after[0] - before[0], after[1] - before[1]
-    parts = plate.mass * change * along
-    after_hit, before_hit = ((v + 1j * spin * arm) * along for v, spin in (after, before))
-    yield "impulse presses", -parts.imag, scale, "N s"
-    if isfinite(law.stick):
-        surface = law.belt.at_arrays(np.asarray(when)) if law.belt else 0.0
-        _, cone = law.in_impact(before_hit.real - surface)
-        yield "impulse in Coulomb's cone", abs(parts.real) - cone * abs(parts.imag), scale, "N s"
-    if plate.turns and not law.arm:
-        off = plate.inertia * turned.real - plate.mass * (arm.conjugate() * change).imag
-        yield "impulse acts at the contact", abs(off), scale * plate.reach, "N m s"
-    lift, closing = after_hit.imag, before_hit.imag
-    off = abs(lift + impact.restitution * closing)
-    if impact.law == "poisson" and impact.restitution != 0.0:
-        off = np.where(abs((arm * along).real) <= EXACT * plate.reach, off, -lift)
-    yield "law of impact", off, speed, "m/s"
-
-
-def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
-    """Energy is not created in steps, nor, but by impacts of Newton's restitution, from one to the next."""
+def energy_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
+    """Energy is not created in steps, nor from one to the next."""
     case = samples.case
-    if not keeps_energy(case):
-        return
-    gravity = case.effect(Gravity)
-    pull = complex(*gravity.vector) if gravity is not None else 0j
-    energy, scale = np.zeros(samples.times.shape), 0.0
-    for plate, one in zip(plates_of(case), samples.plates, strict=True):
-        moving = plate.mass * np.abs(one.velocity) ** 2 + (plate.inertia * one.spin**2 if plate.turns else 0.0)
-        energy += 0.5 * moving - plate.mass * (pull.conjugate() * one.place).real
-        scale += plate.mass * (speed**2 + abs(pull) * float(np.abs(one.place).max() + plate.reach))
-    yield Defects(ENERGY, "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
-    if not impacts_create_energy(case):
+    rows = energy_rows(case)
+    energy, scale = energy_of(rows, samples.plates), energy_scale(rows, scales.speed, scales.extent)
+    if keeps_energy(case):
+        yield Defects(ENERGY, "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
+    if impacts_keep_energy(case):
         yield Defects(ENERGY, "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")
 
 
+def energy_rows(case: Case) -> list[tuple[float, float, complex]]:
+    """Half the mass and half the inertia (0: it does not turn) of each plate, and its weight, N."""
+    gravity = case.effect(Gravity)
+    pull = complex(*gravity.vector) if gravity is not None else 0j
+    return [(0.5 * p.mass, 0.5 * p.inertia if p.turns else 0.0, p.mass * pull) for p in plates_of(case)]
+
+
+def energy_of(rows: list[tuple[float, float, complex]], plates: Any) -> Any:
+    """The energy of all plates, J, which have place, turn, velocity and spin in numbers or arrays."""
+    total = 0.0
+    for (mass, inertia, weight), (place, _, velocity, spin, *_) in zip(rows, plates, strict=True):
+        total = total + mass * (velocity.real**2 + velocity.imag**2) + inertia * spin * spin
+        total = total - weight.real * place.real - weight.imag * place.imag
+    return total
+
+
+def energy_scale(rows: list[tuple[float, float, complex]], speed: float, extent: float) -> float:
+    """The scale of energies at that speed (m/s) and distance from the origin (m), J."""
+    return sum([2.0 * mass * speed**2 + 1.5 * abs(weight) * extent for mass, _, weight in rows])
+
+
 def keeps_energy(case: Case) -> bool:
-    """Whether nothing gives energy: no load, belt or effect of the user's own, where Newton's law has the balance."""
+    """Whether nothing gives energy to plates that move: no load, belt or effect of the user's own."""
     return not (any(loads_of(case)) or has_belt(case) or own_effects(case.effects))
 
 
-def impacts_create_energy(case: Case) -> bool:
-    """Whether impacts may, as those of Newton's restitution."""
-    law = case.effect(Impact)
-    return law is not None and law.law != "poisson" and law.restitution != 0.0
+def impacts_keep_energy(case: Case) -> bool:
+    """Whether impacts give none: no belts, and no restitution of Newton's, whose own law has the balance."""
+    law, gives = case.effect(Impact), has_belt(case) or any(plate.spins_by_load for plate in plates_of(case))
+    return not gives and (law is None or law.law == "poisson" or law.restitution == 0.0)

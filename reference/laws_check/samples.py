@@ -199,7 +199,7 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray
     every = [state_of(motion, name, flat) for name in motion.plate_names]
     plates = tuple(_plate(state, times.shape) for state in every)
     near = parameters_near(case, motion.transitions)
-    contacts = [_contact(case, motion, name, every[0], plates, times, near) for name in motion.contact_names]
+    contacts = [_contact(case, motion, name, plates, times, near) for name in motion.contact_names]
     rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
     is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
     return MotionSamples(
@@ -231,9 +231,15 @@ def _only_mode(law: ContactLaw, slip: np.ndarray, speed: float) -> Mode:
 
 def state_of(motion: Trajectory, name: str, times: np.ndarray) -> State:
     """A plate of a motion at times (n,)."""
-    if motion.plate_columns is not None:
-        return motion.plate_columns(name, times)
-    return (motion.dense or motion._interpolate)(times)
+    return motion.plate_columns(name, times) if motion.plate_columns else (motion.dense or motion._interpolate)(times)
+
+
+def contact_of(motion: Trajectory, name: str, times: np.ndarray) -> Any:
+    """A contact's columns at times (n,), without ranges of forces; of a motion with one contact its state."""
+    columns = motion.contact_columns
+    return (
+        state_of(motion, name, times) if columns is None else getattr(columns, "without_ranges", columns)(name, times)
+    )
 
 
 def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
@@ -242,19 +248,15 @@ def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
 
 
 def _contact(
-    case: Case, motion: Trajectory, name: str, state: State, plates: tuple[PlateSamples, ...], times: np.ndarray,
+    case: Case, motion: Trajectory, name: str, plates: tuple[PlateSamples, ...], times: np.ndarray,
     near: dict[str, list[float]],
 ) -> ContactInstants:  # fmt: skip
     """One contact of a motion at the nodes of its steps; its parameters are added to those that are near."""
-    law, columns = law_at(case, name or CONTACT), motion.contact_columns
-    first: Mode | None
-    if columns is not None:
-        now = getattr(columns, "without_ranges", columns)(name, times.ravel())
-        own = [t for t in motion.transitions if t.contact == name]
+    law, now = law_at(case, name or CONTACT), contact_of(motion, name, times.ravel())
+    own, first = list(motion.transitions), motion.first_mode
+    if motion.contact_columns is not None:
+        own = [t for t in own if t.contact == name]
         first = own[0].before if own else _only_mode(law, now.slip, float(np.abs(plates[law.body].velocity).max()))
-    else:
-        now, own = state, list(motion.transitions)
-        first = motion.first_mode
     rows = (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
     slip, normal, friction, xi1, xi2 = (np.reshape(np.broadcast_to(row, times.size), times.shape) for row in rows)
     changes = np.array([change.time for change in own])

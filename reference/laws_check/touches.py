@@ -121,13 +121,15 @@ def masses(case: Case) -> tuple[np.ndarray, np.ndarray]:
 
 def is_at_joint(curve: Curve, s: float) -> bool:
     """Whether a place of a curve is the end of one of its pieces."""
-    starts = _joints(curve)
-    if not len(starts):
-        return False
-    off = s - starts
+    return to_joint(curve, s) < JOINT
+
+
+def to_joint(curve: Curve, s: float) -> float:
+    """How far a place of a curve is from the nearest end of one of its pieces, in its parameter."""
+    off = s - _joints(curve)
     if curve.period:
         off = (off + 0.5 * curve.period) % curve.period - 0.5 * curve.period
-    return bool(np.abs(off).min() < JOINT)
+    return float(np.abs(off).min(initial=np.inf))
 
 
 @lru_cache(maxsize=256)

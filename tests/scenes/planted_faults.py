@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from math import inf
+from math import cos, inf, sin
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from cases import (
     Case,
     Chain,
     CoulombFriction,
+    Curve,
     Drive,
     Flight,
     Gravity,
@@ -25,10 +26,12 @@ from cases import (
     RollingResistance,
     Start,
     StartPose,
+    Support,
     Trajectory,
     Unilateral,
     disc,
 )
+from cases.effects import Effect
 from tests.composition.build import first_scene
 from tests.scenes import loads, slip_laws
 from tests.scenes import planted_motions as planted
@@ -68,6 +71,21 @@ def off_an_edge() -> Case:
     table = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, -3.0)])
     effects = Gravity(planted.G), Unilateral(), Flight(), Impact(0.0)
     return Case(table, box, effects, StartPose(0.033882740115579096, 0.04185642032305351, -0.3), 0.5)
+
+
+def corner_off_corner(*effects: Effect) -> Case:
+    """The same tilted, with its lowest corner on the table, from which it slides."""
+    case = off_an_edge()
+    start = StartPose(-0.3, 0.1 * sin(0.3) + 0.05 * cos(0.3), -0.3, vx=1.5)
+    return replace(case, start=start, effects=(Gravity(planted.G), Unilateral(), *effects), duration=0.2)
+
+
+@cache
+def off_a_support() -> Case:
+    """A disc rolls to the end of a support."""
+    shelf = Support(Curve(("s", "0"), (-3.0, 0.0)), "shelf")
+    effects = Gravity(planted.G), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.0)
+    return Case(Curve(("s", "-2")), disc(0.1, 1.0), effects, StartPose(-0.3, 0.1, vx=1.5), 0.4, supports=(shelf,))
 
 
 def _heavier_other(case: Case) -> Case:
@@ -155,11 +173,19 @@ FAULTS = {name: Fault(of, scene(change)) for name, (of, change) in DATA.items()}
     "completed before its duration": Fault(CIRCLE, ends(2.0)),
     "completed a picosecond early": Fault(STOPS_AT_END, ends(-1e-12, after=True)),
     "lift-off where the track presses": Fault(CIRCLE, ends(0.3, "lift_off")),
+    "a corner lifts off a microsecond before its track's corner": Fault(
+        cache(corner_off_corner), ends(-1e-6, "lift_off", after=True)
+    ),
+    "a corner leaves its track's corner a microsecond late": Fault(
+        cache(lambda: corner_off_corner(Flight(), Impact(0.0))), later(1e-6, 0)
+    ),
+    "end of a support a nanosecond early": Fault(off_a_support, ends(-1e-9, "track_end", after=True)),
     "end of the track inside it": Fault(cache(lambda: planted.flat(planted.rolled_over())), ends(0.25, "track_end")),
     **{
         f"false status {status}": Fault(CIRCLE, ends(0.3, status))
         for status in ("paradox", "second_contact", "accumulation", "unfinished", "breakdown", "landing", "not_unique")
     },
+    "false status landing of two plates": Fault(FREE, ends(0.1, "landing")),
     # transitions
     "a transition 1e-10 s late": Fault(CIRCLE, later(1e-10, 0)),
     "a transition 1e-12 s late": Fault(CIRCLE, later(1e-12, 0)),
