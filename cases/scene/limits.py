@@ -287,7 +287,9 @@ def as_sentence(reason: str) -> str:
 
 def check_limits(case: Any) -> None:
     """Raise BadValue or DoesNotFit, with a sentence, for a case that no solver of the reference computes."""
-    several = {Scope.SEVERAL_CONTACTS: case.supports or has_spinning_plate(case), Scope.SEVERAL_PLATES: case.others}
+    is_in_pieces = _has_corners(case) or isinstance(case.track, Chain)
+    in_poses = case.supports or has_spinning_plate(case) or (is_in_pieces and not case.plate.turns)
+    several = {Scope.SEVERAL_CONTACTS: in_poses, Scope.SEVERAL_PLATES: case.others}
     for scope in (Scope.ANY, *(scope for scope, parts in several.items() if parts)):
         if reason := limit(case, scope):
             raise (DoesNotFit if scope is Scope.ANY else BadValue)(reason)

@@ -158,6 +158,12 @@ def test_a_block_with_a_limit_of_several_contacts_ends_where_it_touches_twice():
     assert motion.reason.endswith(as_sentence(limit(motion.case, Scope.SEVERAL_CONTACTS)))
 
 
+def test_a_block_that_does_not_turn_needs_contacts_that_only_push():
+    """It is simulated in poses, where each contact only pushes: its weight on two held corners is not unique."""
+    with pytest.raises(BadValue, match="bilateral guide with several contacts"):
+        scene(plate=replace(BLOCK, inertia=inf), without=(Unilateral, Flight, Impact))
+
+
 def test_the_check_of_a_case_says_that_its_motion_has_no_certificate():
     make = SCENES[Scope.SHAPES, NOT_CONVEX]
     text = "checked by its laws only, without a certificate: 'plate' and 'upper' are polygons; give smooth convex"
