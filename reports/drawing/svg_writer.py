@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import isfinite
 
 from markupsafe import Markup, escape
@@ -125,11 +125,20 @@ def _mark(trace: Trace, i: int, point: tuple[float, float], shape: str, side_x: 
 
 
 def _path(points: Sequence[tuple[float, float] | None]) -> str:
-    """A line through points, interrupted where there is none."""
+    """A line through points, interrupted where there is none; from point to point, which is shorter than by places."""
     parts = []
     for is_there, group in groupby(points, key=bool):
-        parts += ["M" + "L".join(f"{one[0]:g} {one[1]:g}" for one in group if one)] if is_there else []
+        line = [point for point in group if point]
+        if is_there:
+            steps = "".join(f"l{_short(b[0] - a[0])} {_short(b[1] - a[1])}" for a, b in pairwise(line))
+            parts.append(f"M{line[0][0]:g} {line[0][1]:g}{steps}".replace(" -", "-"))
     return "".join(parts)
+
+
+def _short(length: float) -> str:
+    """A difference of two positions, which have one decimal."""
+    text = f"{round(length, 1):g}"
+    return text.replace("0.", ".") if abs(length) < 1.0 else text
 
 
 def _text(x: float, y: float, text: str, anchor: str, style: str = "") -> str:

@@ -2,67 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
-from typing import Any
 
 from ..analysis import verdict
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import Experiment, Run, default, defaults, finest, routes
 from . import motions
 from .fragments import anchor, short_percent, switch
+from .page_table import Cell, Head, Line, PageTable, number_cell
 
 
-def matrix(experiment: Experiment, order: Iterable[tuple[str, str]]) -> dict[str, Any]:
+def matrix(experiment: Experiment, order: Iterable[tuple[str, str]]) -> PageTable:
     """A row for each case, family by family, and two cells for each route in `order`."""
     exclusions, groups, keys = verdict.exclusions(experiment), routes(experiment.runs), list(order)
     rows = []
     for case in experiment.cases:
         label, sensitivity = case.label, experiment.truths[case.label].friction_sensitivity
-        cells = [cell for key in keys for cell in _cells(groups.get((label, *key), ()), *key)]
-        rows.append(
-            {
-                "family": motions.family(case),
-                "case": label,
-                "anchor": anchor(label),
-                "exclusion": exclusions.get(label, ""),
-                "sensitivity": short_percent(sensitivity) if isfinite(sensitivity) else "",
-                "order": _order(sensitivity),
-                "cells": cells,
-            }
-        )
-    families = list(dict.fromkeys(row["family"] for row in rows))
-    rows.sort(key=lambda row: families.index(row["family"]))
-    return {
-        "routes": [{"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in keys],
-        "rows": rows,
-        "grades": _legend(),
-    }
+        why = exclusions.get(label, "")
+        own = Cell(f"{label}{'*' * bool(why)}", kind="case", tip=why and f"not ranked: {why}", link=f"#{anchor(label)}")
+        change = number_cell(short_percent(sensitivity) if isfinite(sensitivity) else "", sensitivity)
+        cells = [cell for key in keys for cell in _cells(groups.get((label, *key), ()))]
+        rows.append(Line([Cell(motions.family(case)), own, change, *cells]))
+    families = list(dict.fromkeys(row.cells[0].text for row in rows))
+    rows.sort(key=lambda row: families.index(row.cells[0].text))
+    tip = "off in % that 1 % more or less friction makes"
+    heads = [Head("family"), Head("case"), Head("1 % of μ", number=True, tip=tip)]
+    for solver, route in keys:
+        name, where = f"{solver} {route}", (solver, switch(solver, route))
+        heads += [Head(name, words, "", True, "", *where) for words in ("default", "finest")]
+    return PageTable("all cases", heads, rows, "short grades cells", "headline", len(rows), len(heads))
 
 
-def _order(value: float) -> str:
-    """The number by which a cell is sorted; without one it is last."""
-    return repr(float(value)) if isfinite(value) else "1e308"
-
-
-def _cells(group: Sequence[Run], solver: str, route: str) -> list[dict[str, Any]]:
+def _cells(group: Sequence[Run]) -> Iterator[Cell]:
     """The cells of a route in a case, with default settings and at the finest setting run."""
-    cells = []
-    for words, run in (("default settings", default(group)), ("finest setting run", finest(group))):
-        run = run if run and run.score else None
-        text = _details(run, defaults(group) if words.startswith("default") else ()) if run else _missing(group)
-        off = run.score.off if run and run.score else float("nan")
-        cells.append(
-            {
-                "solver": solver,
-                "route": switch(solver, route),
-                "text": short_percent(off) if run else "–",
-                "grade": run.grade.replace(" ", "-") if run else "none",
-                "order": _order(off),
-                "tip": f"{solver} {route}, {words}: {text}",
-            }
-        )
-    return cells
+    for run, grid in ((default(group), defaults(group)), (finest(group), ())):
+        if run and run.score:
+            off = run.score.off
+            yield number_cell(short_percent(off), off, run.grade.replace(" ", "-"), _details(run, grid))
+        else:
+            yield number_cell("–", float("nan"), "none", _missing(group))
 
 
 def _missing(group: Sequence[Run]) -> str:
@@ -86,7 +65,7 @@ def _details(run: Run, grid: Sequence[Run]) -> str:
     return ", ".join([*texts, *([run.sequence] if run.sequence else [])])
 
 
-def _legend() -> list[dict[str, str]]:
+def legend() -> list[dict[str, str]]:
     """The grades with their limits."""
     words = {name: f"≤ {percent(limit)}" for name, limit in LIMITS.items()}
     words |= {Grade.UNUSABLE: "more", Grade.UNDECIDED: "by its samples"}

@@ -14,6 +14,7 @@ from ..running.records import Experiment
 from ..running.solvers import NOT_INSTALLED
 from . import motions
 from .fragments import anchor, command_of, records, switch
+from .page_table import Cell, Head, Line, PageTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,7 +48,6 @@ def cases(
             "label": label,
             "anchor": anchor(label),
             "said": case_summary(case),
-            "words": f"{label} {family} {case_summary(case)}".lower(),
             "failure": truth.failure,
             "moving": label in moving,
         }
@@ -60,7 +60,7 @@ def cases(
     }
 
 
-def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
+def failures(frame: pd.DataFrame) -> PageTable:
     """Runs without a usable motion, by severity: one row for each solver, route and reason, with the cases. The reasons
     of unusable motions all differ; their row has the worst."""
     by_reason: dict[tuple[str, ...], list[dict[str, Any]]] = {}
@@ -70,24 +70,25 @@ def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
             reason = "" if word == Grade.UNUSABLE else row["reason"]
             by_reason.setdefault((word, row["solver"], row["route"], reason), []).append(row)
     order = [str(word) for word in _FAILURES]
-    return [_failure(word, rows) for (word, *_), rows in sorted(by_reason.items(), key=lambda g: order.index(g[0][0]))]
+    groups = sorted(by_reason.items(), key=lambda group: order.index(group[0][0]))
+    heads = [Head("outcome"), Head("engine"), Head("runs", number=True), Head("cases"), Head("reason")]
+    lines = [_failure(word, rows) for (word, *_), rows in groups]
+    return PageTable("what did not work", heads, lines, "", "trajectories", len(lines), len(heads))
 
 
-def _failure(word: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _failure(word: str, rows: Sequence[dict[str, Any]]) -> Line:
     worst = max(rows, key=lambda row: row["off"] if isfinite(row["off"]) else 0.0)
     names = list(dict.fromkeys(row["case"] for row in rows))
     more = f" and {len(names) - _NAMED_CASES} more" if len(names) > _NAMED_CASES else ""
     where = f"{worst['case']}: " if word == Grade.UNUSABLE and len(names) > 1 else ""
-    return {
-        "outcome": word.replace("_", " "),
-        "kind": word,
-        "solver": worst["solver"],
-        "route": worst["route"],
-        "switch": switch(worst["solver"], worst["route"]),
-        "runs": len(rows),
-        "cases": f"{', '.join(names[:_NAMED_CASES])}{more}",
-        "reason": f"{where}{worst['reason']}",
-    }
+    cells = [
+        Cell(word.replace("_", " "), kind=word),
+        Cell(f"{worst['solver']} {worst['route']}"),
+        Cell(str(len(rows)), kind="number"),
+        Cell(f"{', '.join(names[:_NAMED_CASES])}{more}"),
+        Cell(f"{where}{worst['reason']}", kind="reason"),
+    ]
+    return Line(cells, worst["solver"], switch(worst["solver"], worst["route"]))
 
 
 def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:

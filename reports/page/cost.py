@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 from ..analysis import cost_conclusions
@@ -14,8 +14,8 @@ from ..analysis.work_precision import CostMeasurements, groups
 from ..drawing.colours import LineStyles
 from ..drawing.figures import LEAST_OFF, against_cost
 from ..judging.grades import LEVELS, percent
-from ..running.names import REFERENCE
 from .fragments import figure_of, records, switch
+from .page_table import Cell, Head, Line, PageTable, number_cell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,7 +41,6 @@ def section(
         "first": headline.first,
         "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
         "level": percent(cost_conclusions.LEVEL),
-        "parts": list(_PARTS.values()),
         "calls": _calls(time_rows),
         "failed": list(measurements.failures.items()),
         "levels": _levels(time_rows),
@@ -61,66 +60,47 @@ def _charts(case: str, points: Sequence[dict[str, Any]], looks: LineStyles) -> l
     return charts
 
 
-def _calls(time_rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def _calls(time_rows: Sequence[dict[str, Any]]) -> PageTable:
     """The routes within the main level, case by case, the fastest first run first: whole calls and the parts of a warm
     run."""
-    table_rows = []
+    lines = []
     reaching = [r for r in time_rows if r["reached"] in WITH_TIMES and r["level"] == cost_conclusions.LEVEL]
-    for (case,), group in groups(reaching, "case").items():
+    for group in groups(reaching, "case").values():
         for row in sorted(group, key=lambda r: (not isfinite(cost(r, 1)), cost(r, 1), r["call_s"])):
             runs = row["break_even_runs"]
-            table_rows.append(
-                {
-                    "case": case,
-                    "solver": row["solver"],
-                    "route": row["route"],
-                    "switch": switch(row["solver"], row["route"]),
-                    "is_reference": row["solver"] == REFERENCE,
-                    "first": _time(cost(row, 1)),
-                    "thousand": _time(cost(row, 1000)),
-                    "call": _time(row["call_s"]),
-                    "parts": [_time(row[name]) for name in _PARTS],
-                    "even": _number(f"{runs:,.0f}" if isfinite(runs) else "", runs),
-                }
-            )
-    return table_rows
+            spent = (cost(row, 1), cost(row, 1000), row["call_s"], *(row[name] for name in _PARTS))
+            cells = [number_cell(seconds(value) if isfinite(value) else "", value) for value in spent]
+            cells.append(number_cell(f"{runs:,.0f}" if isfinite(runs) else "", runs))
+            lines.append(_line(row, cells))
+    titles = ("first run, cold start", "1,000 runs", "whole call, warm", *_PARTS.values())
+    even = "number of whole calls from which on the reference is faster; empty: never, or not known"
+    heads = [*_heads(titles), Head("reference faster from", number=True, tip=even)]
+    return PageTable("calls", heads, lines, "short calls")
 
 
-def _levels(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _levels(time_rows: Sequence[dict[str, Any]]) -> PageTable:
     """Cases and routes against levels of off."""
-    rows = []
+    lines = []
     for _, group in groups(time_rows, "case", "solver", "route").items():
         by_level = {row["level"]: row for row in group}
-        cells = [_text(group[0]["case"]), _text(f"{group[0]['solver']} {group[0]['route']}")]
-        cells += [_level_cell(by_level[level]) for level in LEVELS]
-        where = {"solver": group[0]["solver"], "route": switch(group[0]["solver"], group[0]["route"])}
-        rows.append(where | {"cells": cells})
-    heads = [
-        _head(name, place > 1) for place, name in enumerate(("case", "route", *(f"≤ {percent(v)}" for v in LEVELS)))
-    ]
-    return {"heads": heads, "rows": rows, "count": len(rows), "columns": len(heads), "file": "time_to_accuracy"}
+        lines.append(_line(group[0], [_level_cell(by_level[level]) for level in LEVELS]))
+    heads = _heads([f"≤ {percent(level)}" for level in LEVELS])
+    return PageTable("time to a level", heads, lines, "", "time_to_accuracy", len(lines), len(heads))
 
 
-def _level_cell(row: dict[str, Any]) -> dict[str, Any]:
+def _heads(titles: Sequence[str]) -> list[Head]:
+    return [Head("case"), Head("route"), *(Head(title, number=True) for title in titles)]
+
+
+def _line(row: Mapping[str, Any], cells: Sequence[Cell]) -> Line:
+    """A row of a case and a route."""
+    names = [Cell(row["case"]), Cell(f"{row['solver']} {row['route']}")]
+    return Line([*names, *cells], row["solver"], switch(row["solver"], row["route"]), group=row["case"])
+
+
+def _level_cell(row: dict[str, Any]) -> Cell:
     if row["reached"] not in WITH_TIMES:
-        return _number(row["reached"], float("inf"))
+        return number_cell(row["reached"], nan)
     ratio = f" ({times(row['ratio'])})" if isfinite(row["ratio"]) else ""
     mark = "°" if row["reached"] == ONE_SETTING else ""
-    return _number(f"{seconds(row['cpu_s'])}{mark}{ratio}", row["cpu_s"])
-
-
-def _head(name: str, is_number: bool) -> dict[str, Any]:
-    return {"title": name, "unit": "", "column": "", "number": is_number, "tip": ""}
-
-
-def _text(text: str) -> dict[str, Any]:
-    return {"text": text, "kind": "", "order": None}
-
-
-def _time(value: float) -> dict[str, Any]:
-    return _number(seconds(value) if isfinite(value) else "", value)
-
-
-def _number(text: str, value: float) -> dict[str, Any]:
-    """A cell that is sorted by a number; a cell without one is sorted last."""
-    return {"text": text, "kind": "number", "order": f"{value:.10g}" if isfinite(value) else "1e308"}
+    return number_cell(f"{seconds(row['cpu_s'])}{mark}{ratio}", row["cpu_s"])

@@ -12,7 +12,8 @@ from reference.proofs.record import DecimalInterval, Proof, ProvedTransition
 
 from .. import studies
 from ..running.records import Experiment, Truth
-from .fragments import anchor, table
+from .fragments import anchor
+from .page_table import LAST, Cell, Head, Line, PageTable, table
 
 if TYPE_CHECKING:
     from ..studies import Result
@@ -21,18 +22,31 @@ if TYPE_CHECKING:
 _MOST_CLAIMS = 6
 
 
+_SHARE = "where the slip vanishes without rolling: the friction that rolling needs as a multiple of the cone's"
+_HEADS = (
+    Head("case"), Head("transitions proved", number=True), Head("the first"), Head("enclosed at", "s"),
+    Head("width", "s", number=True), Head("rolling needs ×", number=True, tip=_SHARE),
+)  # fmt: skip
+
+
 def proofs(experiment: Experiment) -> dict[str, Any]:
     """The stored proofs of the cases: how many of their transitions are proved, the first one's enclosure, and the
     whole statement. A case has a row if a transition is proved, or that it has none."""
     stored = catalogue.read()
-    rows = [
-        _row(label, truth, stored[label])
+    truths = {
+        label: truth
         for label, truth in experiment.truths.items()
         if label in stored and (PROVED in truth.kinds or _has_none(truth, stored[label]))
-    ]
+    }
+    lines = [_line(label, truth, stored[label]) for label, truth in truths.items()]
     kinds = [kind for truth in experiment.truths.values() for kind in truth.kinds]
-    methods = list(dict.fromkeys(stored[row["case"]].method for row in rows))
-    return {"rows": rows, "methods": methods, "proved": kinds.count(PROVED), "transitions": len(kinds)}
+    return {
+        "table": PageTable("proofs", _HEADS, lines, "short"),
+        "methods": list(dict.fromkeys(stored[label].method for label in truths)),
+        "refuted": any(line.cells[-1].text for line in lines),
+        "proved": kinds.count(PROVED),
+        "transitions": len(kinds),
+    }
 
 
 def _has_none(truth: Truth, proof: Proof) -> bool:
@@ -40,26 +54,17 @@ def _has_none(truth: Truth, proof: Proof) -> bool:
     return proof.complete and not proof.transitions and not truth.transitions and not truth.failure
 
 
-def _row(label: str, truth: Truth, proof: Proof) -> dict[str, Any]:
-    count = truth.kinds.count(PROVED)
-    first = proof.transitions[0] if proof.transitions else None
-    return {
-        "case": label,
-        "anchor": anchor(label),
-        "proved": count,
-        "transitions": len(truth.transitions),
-        "change": _change(first) if first else "",
-        "share": _share(first) if first else "",
-        "time": enclosure(first.time) if first else "",
-        "width": f"{first.time.width:.0e}".replace("e-0", "e-") if first else "",
-        "order": repr(float(Fraction(first.time.low))) if first else "1e308",
-        "statement": proof.statement if len(proof.transitions) <= _MOST_CLAIMS else "",
-        "is_whole": proof.complete and count == len(truth.transitions),
-    }
-
-
-def _change(transition: ProvedTransition) -> str:
-    return f"{transition.before} → {transition.after}".replace("_", " ")
+def _line(label: str, truth: Truth, proof: Proof) -> Line:
+    first, many = proof.transitions[0] if proof.transitions else None, len(truth.transitions)
+    cells = [
+        Cell(label, link=f"#{anchor(label)}"),
+        Cell(f"{truth.kinds.count(PROVED)} of {many}" if many else "none, proved", kind="number"),
+        Cell(f"{first.before} → {first.after}".replace("_", " ") if first else ""),
+        Cell(enclosure(first.time), repr(float(Fraction(first.time.low)))) if first else Cell("", LAST),
+        Cell(f"{first.time.width:.0e}".replace("e-0", "e-") if first else "", kind="number"),
+        Cell(_share(first) if first else "", kind="number"),
+    ]
+    return Line(cells, tip=proof.statement if len(proof.transitions) <= _MOST_CLAIMS else "")
 
 
 def _share(transition: ProvedTransition) -> str:
@@ -86,12 +91,11 @@ def study(result: Result) -> dict[str, Any]:
     """Data of a study for its template: question, texts of its scenes and tables, or the reason why it failed."""
     in_words = getattr(result.study, "in_words", None)
     texts = in_words(result.findings) if in_words and not result.failure else {}
-    tables = [
-        {"name": name, "holds": result.words[name].holds}
-        | table(frame, {str(c): str(c).replace("_", " ") for c in frame.columns if c != "version"},
-                result.words[name].columns, file=name)
-        for name, frame in result.frames.items()
-    ]  # fmt: skip
+    tables = []
+    for name, frame in result.frames.items():
+        titles = {str(c): str(c).replace("_", " ") for c in frame.columns if c != "version"}
+        one = table(name, frame, titles, result.words[name].columns, file=name)
+        tables.append({"holds": result.words[name].holds, "table": one})
     return {
         "id": result.name,
         "title": result.study.TITLE,

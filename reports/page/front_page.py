@@ -13,7 +13,7 @@ from ..running.ladder_selection import ladder_case
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, routes
 from ..running.solvers import missing_words
-from .case_matrix import matrix
+from .case_matrix import legend, matrix
 from .chapters import case_summary
 from .engine_rows import changes, engine_rows
 from .fragments import anchor, figure_of, records
@@ -54,6 +54,7 @@ def screen(
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
         ],
         "matrix": matrix(experiment, keys),
+        "grade_keys": legend(),
         "chart": _chart(experiment, timings, cost_case, looks),
         "cost_case": cost_case,
         "anchor": anchor,

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import zlib
-from base64 import b64encode
+import csv
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,9 +17,10 @@ from ..drawing.figures import headline, looks_of
 from ..judging.grades import LIMITS, percent
 from ..running.names import REFERENCE
 from ..running.records import TRUTH_RTOL, Experiment
-from . import chapters, cost, evidence, front_page, vendor
-from .fragments import anchor, environment, figure_of, table
+from . import chapters, cost, evidence, front_page, motions, vendor
+from .fragments import anchor, environment, figure_of, packed
 from .fragments import command_of as command_of
+from .page_table import PageTable, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,11 +71,11 @@ def render(
         "studies": [evidence.study(result) for result in results],
         "on_request": evidence.on_request(results),
         "failures": chapters.failures(frames["trajectories"]),
-        "tables": [_data_table(name, frame, words[name]) for name, frame in frames.items()],
-        "files": [{"name": name, "data": Markup(_packed(folder / "tables" / f"{name}.csv"))} for name in frames],
+        "tables": [(_data_table(name, frame, words[name]), words[name].holds) for name, frame in frames.items()],
+        "files": [{"name": name, "data": Markup(_columns(folder / "tables" / f"{name}.csv"))} for name in frames],
         "made": chapters.provenance(manifest),
         "vendored": vendor.libraries(),
-        "motions": [{"label": motion["label"], "data": Markup(_json(motion))} for motion in moving],
+        "motions": [{"label": motion["label"], "data": Markup(motions.script(motion))} for motion in moving],
         "truth_rtol": f"{TRUTH_RTOL:g}",
         "grades": ", ".join(f"{name} up to {percent(limit)}" for name, limit in LIMITS.items()),
         "limit": f"{manifest['limit_seconds']:g}",
@@ -126,21 +126,26 @@ def _licence(package: Mapping[str, Any]) -> str:
     return f"{package['package']} {package['version']}\n{file.read_text(encoding='utf-8')}".replace("*/", "* /")
 
 
-def _json(data: Any) -> str:
-    """JSON for a script element; "<" is escaped, so that no text can close the element."""
-    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+def _data_table(name: str, frame: pd.DataFrame, words: Table) -> PageTable:
+    """A table of the list of all: its headings, without versions; a script reads its rows from the file."""
+    titles = {str(column): str(column).replace("_", " ") for column in frame.columns if column != "version"}
+    return table(name, frame, titles, words.columns, file=name, most=0)
 
 
-def _name(frame: pd.DataFrame) -> dict[str, str]:
-    """Headings by column; versions are left out, because the files have them."""
-    return {str(column): str(column).replace("_", " ") for column in frame.columns if column != "version"}
+# A number with more digits than the page's copy of a file has; times have all.
+_LONG, _DIGITS, _EXACT = re.compile(r"-?[\d.]{11,}(e[-+]\d+)?"), 9, ("time", "reference_time")
 
 
-def _data_table(name: str, frame: pd.DataFrame, words: Table) -> dict[str, Any]:
-    """A table of the list of all: its contents, and its headings, whose rows a script reads from the file."""
-    return {"name": name, "holds": words.holds} | table(frame, _name(frame), words.columns, file=name, most=0)
+def _columns(file: Path) -> str:
+    """A file's columns, each its name and its cells, as text of compressed data: a third smaller than its rows."""
+    with file.open(newline="", encoding="utf-8") as lines:
+        names, *rows = csv.reader(lines)
+    columns = zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True)
+    texts = (
+        "\x1f".join([name, *(cell if name in _EXACT else _short(cell) for cell in cells)]) for name, cells in columns
+    )
+    return packed("\x1e".join(texts).encode())
 
 
-def _packed(file: Path) -> str:
-    """A file's bytes as base64 text of compressed data."""
-    return b64encode(zlib.compress(file.read_bytes(), 9)).decode()
+def _short(cell: str) -> str:
+    return repr(float(f"{float(cell):.{_DIGITS}g}")) if _LONG.fullmatch(cell) else cell

@@ -1,19 +1,17 @@
 """Motions for the page's player: the true motion, and the difference of engines from it with default settings and at
 finer ones.
 
-Numbers are compressed 32-bit floats. The mantissas of the truth are rounded to 16 bits (five digits), those of
-differences to 10 bits (three digits), which keeps the page small.
+Numbers are 32-bit floats with rounded mantissas, which keeps the page small: poses of the truth have 16 bits (five
+digits), its slip and forces 13 (four digits are shown), differences 8 (0.2 %, less than a pixel of a plot).
 """
 
 from __future__ import annotations
 
 import inspect
-import zlib
-from base64 import b64encode
+import json
 from collections.abc import Mapping
-from itertools import groupby
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,18 +24,28 @@ from ..drawing.figures import is_stuck
 from ..judging.grades import percent
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, Truth, default, routes
+from .fragments import packed
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 301
 # The samples include the exact times of at most this many transitions, spread over all of them.
 _EXACT = 120
-TRUE = ("x", "y", "theta", "slip", "xi1", "normal_force", "friction_force")
+TRUE = ("x", "y", "theta", "xi1", "slip", "normal_force", "friction_force")
 # Of each contact, where there are several.
 OF_CONTACT = ("xi1", "normal_force", "friction_force", "normal_low", "normal_high")
 # Solver minus truth, with the names of `distances.differences`.
 OFF = ("x", "y", "angle", "slip")
-# Bits of a mantissa: of the truth, and of differences.
-_BITS, _BITS_OF_DIFFERENCES = 16, 10
+# Of the columns of the truth so many are a pose.
+POSE = 4
+# Bits of a mantissa: of times, since users zoom in on transitions; of poses; of slip and forces; of differences.
+_BITS_OF_TIMES, _BITS, _BITS_OF_FORCES, _BITS_OF_DIFFERENCES = 23, 16, 13, 8
+
+
+class Numbers(NamedTuple):
+    """Numbers of a motion, and the bits of their mantissas that the page has."""
+
+    values: np.ndarray
+    bits: int = _BITS
 
 
 def motions(experiment: Experiment) -> list[dict[str, Any]]:
@@ -46,7 +54,7 @@ def motions(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
-    """Data for the player of a case, ready for JSON; None for a case without a truth."""
+    """Data for the player of a case, with all arrays as `Numbers`; None for a case without a truth."""
     truth = experiment.truths[case.label]
     if truth.failure or not truth.samples:
         return None
@@ -62,31 +70,31 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         poses = np.array([columns[name] for name in ("x", "y", "theta", "xi1")]).T.tolist()
         instants = (Instant(x, y, theta, xi1, 1.0) for x, y, theta, xi1 in poses)
         columns["theta"] = np.array([drawn_angle(case.scene, one) for one in instants])
+    true = np.array([*columns.values()])
     return {
         "label": case.label,
         "down": case.scene.down,
-        "t": pack(times, bits=23),
+        "t": Numbers(times, _BITS_OF_TIMES),
         "start": float(times[0]),
         "end": float(times[-1]),
-        "modes": _modes(truth),
         "lanes": _lanes(truth),
         "track": _curve(case.track, visible(case.scene, path, xi1)),
         "supports": [{"name": s.name} | _curve(s.curve, supports[s.name]) for s in case.supports],
-        "outline": pack(case.scene.corners()),
-        "truth": pack(np.array([*columns.values()])),
+        "outline": Numbers(case.scene.corners()),
+        "truth": [Numbers(true[:POSE]), Numbers(true[POSE:], _BITS_OF_FORCES)],
         "contacts": [
             {
                 "name": name,
                 "curve": base_of(name),
-                "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT])),
+                "data": Numbers(np.array([at_contact(times, samples, column) for column in OF_CONTACT])),
             }
             for name, samples in truth.contact_samples.items()
             if base_of(name) in (TRACK, *supports)  # a place on a curve that is drawn
         ],
         "plates": [
             {
-                "outline": pack(case.scene.of(other.plate).corners()),
-                "data": pack(np.array([_at(times, truth.plate_samples[other.name], q) for q in ("x", "y", "theta")])),
+                "outline": Numbers(case.scene.of(other.plate).corners()),
+                "data": Numbers(np.array([_at(times, truth.plate_samples[other.name], q) for q in TRUE[:3]])),
             }
             for other in case.others
         ],
@@ -115,20 +123,17 @@ def family(case: Case) -> str:
 def _curve(curve: Curve, parameters: np.ndarray) -> dict[str, Any]:
     """A curve as the player draws it and finds its contacts."""
     low, high = float(parameters[0]), float(parameters[-1])
-    return {"low": low, "high": high, "period": bool(curve.period), "points": pack(curve.point(parameters))}
+    return {"low": low, "high": high, "period": bool(curve.period), "points": Numbers(curve.point(parameters))}
 
 
 def _run(run: Run, times: np.ndarray, case: Case) -> dict[str, Any]:
-    columns = [_at(coarse(times), run.off, name) for name in OFF]
-    plates = [
-        [_at(coarse(times), run.off, f"{name} of {other.name}") for name in ("x", "y", "angle")]
-        for other in case.others
-    ]
-    events = [row.time for row in run.ledger if isfinite(row.time)]
-    facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "default": run.setting.is_default}
+    """Facts of a run, and its differences from the truth: four of the case's plate, then three of each other plate."""
+    names = [*OFF, *(f"{name} of {other.name}" for other in case.others for name in OFF[:3])]
+    columns = np.array([_at(coarse(times), run.off, name) for name in names])
+    events = [float(f"{row.time:.6g}") for row in run.ledger if isfinite(row.time)]
+    facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "events": events[:_EXACT]}
     facts |= {"score": percent(run.score.off) if run.score else "", "grade": run.grade}
-    facts |= {"plates": [pack(np.array(one), bits=_BITS_OF_DIFFERENCES) for one in plates]}
-    return facts | {"events": events[:_EXACT], "data": pack(np.array(columns), bits=_BITS_OF_DIFFERENCES)}
+    return facts | {"off": Numbers(columns, _BITS_OF_DIFFERENCES)}
 
 
 def _times(truth: Truth) -> np.ndarray:
@@ -161,20 +166,6 @@ def at_contact(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) 
     return np.where(np.isnan(values), samples[name][nearest], values)
 
 
-def _modes(truth: Truth) -> list[tuple[float, str, str]]:
-    """Start time, name and cause of each mode; with several contacts the modes of all closed ones."""
-    begin, first = float(truth.samples["t"][0]), truth.first_mode
-    if not truth.has_several_contacts:
-        return [(begin, str(first), ""), *((event.time, str(event.after), event.cause) for event in truth.transitions)]
-    modes = {name: scale.phases[0].mode for name, scale in truth.scales.items()}
-    result = [(begin, _closed(modes), "")]
-    for time, events in groupby(truth.transitions, key=lambda event: event.time):
-        changes = list(events)
-        modes |= {event.contact: event.after for event in changes}
-        result.append((time, _closed(modes), changes[-1].cause))
-    return result
-
-
 def _lanes(truth: Truth) -> list[tuple[str, list[tuple[float, str, str]]]]:
     """Name, and start time, mode and cause of each mode, of every contact ("" for the only one); a plate that does not
     turn without slip sticks."""
@@ -197,19 +188,29 @@ def _lanes(truth: Truth) -> list[tuple[str, list[tuple[float, str, str]]]]:
     return lanes
 
 
-def _closed(modes: Mapping[str, Mode]) -> str:
-    """The modes of the closed contacts in words; "flight" if none is closed."""
-    words = [f"{mode} at {name}" for name, mode in modes.items() if mode is not Mode.FLIGHT]
-    return ", ".join(words) or str(Mode.FLIGHT)
+def script(facts: Mapping[str, Any]) -> str:
+    """The text of a motion in the page: facts as JSON, in which numbers are places in a list of arrays; the length and
+    the rounded bits of each array; and the arrays' bytes, all compressed."""
+    heads, planes = list[tuple[int, int]](), list[bytes]()
+
+    def collected(value: Any) -> Any:
+        if isinstance(value, Numbers):
+            heads.append((value.values.size, 23 - value.bits))
+            planes.append(encoded(*value))
+            return len(heads) - 1
+        if isinstance(value, Mapping):
+            return {key: collected(one) for key, one in value.items()}
+        return [collected(one) for one in value] if isinstance(value, list | tuple) else value
+
+    texts = [json.dumps(one, separators=(",", ":")) for one in (collected(facts), heads)]
+    return packed(b"".join([*(text.encode() + b"\0" for text in texts), *planes]))
 
 
-def pack(values: np.ndarray, bits: int = _BITS) -> str:
-    """Numbers as base64 text of compressed 32-bit floats whose mantissas are rounded to so many `bits`; all 23 are for
-    times, since users zoom in on transitions.
+def encoded(values: np.ndarray, bits: int) -> bytes:
+    """Numbers as 32-bit floats whose mantissas are rounded to so many bits.
 
     The bits of a positive float, read as an integer, grow with it. Motions are smooth, so the second differences of
     these integers (modulo 2³²; the sign in the last bit; grouped by byte position) are small and take half the space.
-    The first byte is the number of bits that were rounded away.
     """
     words = np.ascontiguousarray(values, dtype="<f4").view("<u4").ravel().astype(np.int64)
     rest = 23 - bits
@@ -218,5 +219,4 @@ def pack(values: np.ndarray, bits: int = _BITS) -> str:
     codes = np.where((words >> 31 == 1) & np.isfinite(np.ravel(values)), -size, size)
     changes = np.diff(codes, n=2, prepend=[0, 0]).astype("<u4").view("<i4")
     zigzag = ((changes << 1) ^ (changes >> 31)).astype("<i4")
-    planes = zigzag.view(np.uint8).reshape(-1, 4).T.tobytes()
-    return b64encode(zlib.compress(bytes([rest]) + planes, 9)).decode()
+    return zigzag.view(np.uint8).reshape(-1, 4).T.tobytes()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import re
 import zlib
-from base64 import b64decode
+from base64 import b85decode
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -19,7 +20,7 @@ from adapters import Setting
 from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
 from reports.analysis import verdict
-from reports.page import chapters, evidence, motions, vendor
+from reports.page import chapters, evidence, html, motions, text, vendor
 from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
 from reports.page.fragments import anchor, short_percent
@@ -33,26 +34,48 @@ CASE = cases.load("disc_on_line", mu=0.1)
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
 
 
-def unpacked(text: str) -> np.ndarray:
-    """The numbers of a packed text, as `numbers` of state.js reads them."""
-    rest, *planes = zlib.decompress(b64decode(text))
-    zigzag = np.ascontiguousarray(np.array(planes, np.uint8).reshape(4, -1).T).view("<u4").ravel().astype(np.int64)
+def decoded(planes: bytes, rest: int) -> np.ndarray:
+    """The numbers of an array, as `numbers` of state.js reads them."""
+    bytes_ = np.frombuffer(planes, np.uint8).reshape(4, -1)
+    zigzag = np.ascontiguousarray(bytes_.T).view("<u4").ravel().astype(np.int64)
     changes = (zigzag >> 1) ^ -(zigzag & 1)
     codes = np.cumsum(np.cumsum(changes)).astype("<i4").astype(np.int64)
     words = (abs(codes) << rest) | np.where(codes < 0, 0x80000000, 0)
     return words.astype("<u4").view("<f4")
 
 
-def test_numbers_travel_with_five_digits_times_with_seven_and_differences_with_three():
+def test_numbers_travel_with_the_digits_that_are_asked_for():
     values = np.concatenate(
         [[0.0, -0.0, np.nan], np.random.default_rng(1).normal(size=500) * 10.0 ** np.arange(-250, 250)]
     )
     values = values[np.isnan(values) | (abs(values) < 3e38)]
-    for bits, bound in ((16, 2.0**-16), (23, 2.0**-23), (10, 2.0**-10)):
-        found = unpacked(motions.pack(values, bits))
+    for bits in (8, 13, 16, 23):
+        found = decoded(motions.encoded(values, bits), 23 - bits)
         sound = abs(values) > 1e-37  # smaller ones have fewer digits in 32 bits
-        assert np.all(abs(found[sound] - values[sound]) <= bound * abs(values[sound]))
+        assert np.all(abs(found[sound] - values[sound]) <= 2.0**-bits * abs(values[sound]))
         assert np.array_equal(np.isnan(found), np.isnan(values))
+
+
+def test_a_motion_in_the_page_has_its_facts_and_its_arrays():
+    facts = {"label": "a<b", "t": motions.Numbers(np.arange(3.0), 23), "runs": [{"off": motions.Numbers(np.ones(2), 8)}]}
+    text = motions.script(facts)
+    assert "<" not in text
+    said, heads, planes = zlib.decompress(b85decode(text.replace(",", "<"))).split(b"\0", 2)
+    assert json.loads(said) == {"label": "a<b", "t": 0, "runs": [{"off": 1}]} and json.loads(heads) == [[3, 0], [2, 15]]
+    assert decoded(planes[:12], 0).tolist() == [0.0, 1.0, 2.0] and decoded(planes[12:], 15).tolist() == [1.0, 1.0]
+
+
+def test_the_pages_copy_of_a_file_has_its_cells_and_times_have_all_digits(tmp_path):
+    frame = pd.DataFrame({"time": [1 / 3, 2.0], "error": [1 / 3, -1.2345678901e-7], "reason": ['a "b", c', "0.1"]})
+    text.write({"one": frame, "none": frame.head(0)}, tmp_path)
+    columns = [c.split("\x1f") for c in _read(html._columns(tmp_path / "one.csv")).split("\x1e")]
+    assert columns[0] == ["time", repr(1 / 3), "2.0"] and columns[2] == ["reason", 'a "b", c', "0.1"]
+    assert columns[1] == ["error", "0.333333333", "-1.23456789e-07"]
+    assert _read(html._columns(tmp_path / "none.csv")) == "time\x1eerror\x1ereason"
+
+
+def _read(text: str) -> str:
+    return zlib.decompress(b85decode(text.replace(",", "<"))).decode()
 
 
 def test_samples_of_a_motion_hold_its_transitions():
@@ -61,10 +84,11 @@ def test_samples_of_a_motion_hold_its_transitions():
     samples = {"t": t, **{name: np.sin(t) for name in motions.TRUE}}
     truth = replace(ROLLS, samples=samples, first_mode=Mode.SLIP_FORWARD)
     said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
-    times = unpacked(said["t"])
-    assert len(times) == motions.SAMPLES and np.float32(0.5) in times
-    assert said["modes"] == [(0.0, "slip_forward", ""), (0.5, "roll", "")]
-    assert np.allclose(unpacked(said["truth"]).reshape(len(motions.TRUE), -1)[0], np.sin(times), atol=2e-5)
+    times = said["t"].values
+    assert len(times) == motions.SAMPLES and 0.5 in times
+    assert said["lanes"] == [("", [(0.0, "slip_forward", ""), (0.5, "roll", "")])]
+    pose, forces = (numbers.values for numbers in said["truth"])
+    assert len(pose) + len(forces) == len(motions.TRUE) and np.allclose(pose[0], np.sin(times), atol=2e-5)
     assert motions.motion(Experiment((case,), {case.label: Truth(failure="none")}, (), 0.0), case) is None
 
 
@@ -81,9 +105,9 @@ def test_the_player_has_the_supports_and_the_contacts_on_them():
     said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
     assert [one["name"] for one in said["contacts"]] == list(names[:3])
     (right,) = said["supports"]
-    x, y = unpacked(right["points"]).reshape(2, -1)
+    x, y = right["points"].values
     assert right["name"] == "right" and right["period"] and right["high"] - right["low"] == pytest.approx(2 * np.pi)
-    assert np.hypot(x - 1.5 * np.sin(0.3 * np.pi), y) == pytest.approx(1.0, abs=1e-4)  # five digits of each number
+    assert np.hypot(x - 1.5 * np.sin(0.3 * np.pi), y) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_the_player_has_the_modes_of_each_contact_and_a_plate_that_does_not_turn_sticks():
@@ -125,13 +149,12 @@ def test_failures_are_counted_once_for_each_reason_and_the_worst_unusable_run_is
             run("d", "answered", "unusable", "pose: 900 %", 9.0),
         ]
     )
-    rows = chapters.failures(frame)
-    assert [(row["kind"], row["runs"], row["cases"]) for row in rows] == [
-        ("unusable", 2, "c, d"),
-        ("crashed", 1, "b"),
-        ("unsupported", 2, "a, b"),
+    rows = [[cell.text for cell in row.cells] for row in chapters.failures(frame).rows]
+    assert rows == [
+        ["unusable", "pymunk native", "2", "c, d", "d: pose: 900 %"],
+        ["crashed", "pymunk native", "1", "b", "SIGSEGV"],
+        ["unsupported", "pymunk native", "2", "a, b", "no springs"],
     ]
-    assert rows[0]["reason"] == "d: pose: 900 %" and rows[2]["reason"] == "no springs"
 
 
 @pytest.mark.parametrize(
@@ -168,13 +191,15 @@ def test_the_table_of_all_cases_has_two_cells_for_each_route_and_why_there_is_no
         replace(run("b", "one", "native", 0.1), outcome="crashed", score=None, reason="SIGSEGV"),
     )  # fmt: skip
     results = replace(results, cases=tuple(replace(CASE, name=name, parameters={}) for name in "ab"))
-    rows = {row["case"]: row for row in matrix(results, [("one", "native")])["rows"]}
-    default, finest = rows["a"]["cells"]
-    assert (default["text"], default["order"], finest["text"]) == ("46", "0.46", ".10")
-    assert default["tip"].startswith("one native, default settings: 46 % ± ")
-    assert [cell["text"] for cell in rows["b"]["cells"]] == ["–", "–"]
-    assert rows["b"]["cells"][1]["tip"] == "one native, finest setting run: crashed: SIGSEGV"
-    assert all(cell["grade"] == "none" and cell["order"] == "1e308" for cell in rows["b"]["cells"])
+    data = matrix(results, [("one", "native")])
+    rows = {row.cells[1].text.removesuffix("*"): row.cells[3:] for row in data.rows}
+    assert [(head.solver, head.route) for head in data.heads[3:]] == 2 * [("one", "native")]
+    default, finest = rows["a"]
+    assert (default.text, default.order, finest.text) == ("46", "0.46", ".10")
+    assert default.tip.startswith("46 % ± ")
+    assert [cell.text for cell in rows["b"]] == ["–", "–"]
+    assert rows["b"][1].tip == "crashed: SIGSEGV"
+    assert all(cell.kind == "number none" and cell.order == "1e308" for cell in rows["b"])
 
 
 @pytest.mark.parametrize(

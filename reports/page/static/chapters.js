@@ -46,7 +46,9 @@
   const field = document.querySelector(".index input");
   field?.addEventListener("input", () => {
     const words = field.value.toLowerCase().split(/\s+/).filter(Boolean), index = field.closest(".index");
-    index.querySelectorAll("li").forEach((one) => { one.hidden = !words.every((word) => one.dataset.words.includes(word)); });
+    // A case's name, family and summary.
+    const text = (one) => [one, one.closest("section")?.querySelector("h3"), document.querySelector(`[id="${one.firstChild.hash.slice(1)}"] > h3 + p`)].map((part) => part?.textContent ?? "").join(" ").toLowerCase();
+    index.querySelectorAll("li").forEach((one) => { one.hidden = !words.every((word) => text(one).includes(word)); });
     index.querySelectorAll("section").forEach((one) => { one.hidden = ![...one.querySelectorAll("li")].some((row) => !row.hidden); });
   });
 

@@ -39,16 +39,23 @@ const suite = (() => {
   };
   const colourOf = (solver) => colour(`--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")}`);
 
-  // The bytes of base64 text of compressed data.
+  // The bytes of compressed data in base 85, as `packed` of fragments.py writes them.
+  const DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";
+  const VALUE = Object.fromEntries([...DIGITS].map((c, i) => [c, i]));
   async function inflate(text) {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const groups = Math.ceil(text.length / 5), view = new DataView(new ArrayBuffer(4 * groups));
+    for (let i = 0; i < groups; i++) {
+      let word = 0;
+      for (let j = 5 * i; j < 5 * i + 5; j++) word = 85 * word + (VALUE[text[j]] ?? 84);
+      view.setUint32(4 * i, word);
+    }
+    const bytes = new Uint8Array(view.buffer, 0, text.length - groups);
     return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
   }
 
-  // Decode numbers from motions.py: second differences of ordered floats, grouped by byte position.
-  async function numbers(text) {
-    const bytes = await inflate(text), [rest] = bytes, planes = bytes.subarray(1);
-    const count = planes.length / 4, words = new Uint32Array(count);
+  // Decode an array of motions.py: second differences of ordered floats, grouped by byte position.
+  function numbers(planes, count, rest) {
+    const words = new Uint32Array(count);
     for (let i = 0, slope = 0, ordered = 0; i < count; i++) {
       const folded = planes[i] | planes[count + i] << 8 | planes[2 * count + i] << 16 | planes[3 * count + i] << 24;
       slope = slope + ((folded >>> 1) ^ -(folded & 1)) | 0;
@@ -58,30 +65,24 @@ const suite = (() => {
     return new Float32Array(words.buffer);
   }
 
-  // The text of a table's file, which is inside the page; null if it is not.
-  const file = async (name) => {
+  // A table's columns, each its name and its cells, from its file inside the page; null if it is not there.
+  const columnsOf = async (name) => {
     const block = [...document.querySelectorAll("script.file")].find((one) => one.dataset.name === name);
-    return block ? new TextDecoder().decode(await inflate(block.textContent)) : null;
+    return block ? new TextDecoder().decode(await inflate(block.textContent)).split("\x1e").map((column) => column.split("\x1f")) : null;
   };
-
-  // The records of comma-separated values, as lists of texts.
-  function parse(text) {
-    const rows = [[]];
-    for (const [, quoted, plain, end] of text.matchAll(/(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
-      rows.at(-1).push(quoted === undefined ? plain : quoted.replaceAll('""', '"'));
-      if (end === "") break;
-      if (end !== ",") rows.push([]);
-    }
-    return rows.filter((row) => row.length > 1 || row[0]);
-  }
+  const quoted = (value) => (/[",\r\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
+  const csv = (lines) => lines.map((line) => `${line.map(quoted).join(",")}\n`).join("");
+  // The text of a table's file.
+  const file = async (name) => {
+    const all = await columnsOf(name);
+    return all && csv(all[0].map((_, i) => all.map((column) => column[i])));
+  };
 
   // A table's rows as objects of texts.
   const tables = new Map(), rows = (name) => tables.get(name) ?? (tables.set(name, parsed(name)), tables.get(name));
   async function parsed(name) {
-    const text = await file(name);
-    if (text === null) return null;
-    const [names, ...records] = parse(text);
-    return records.map((record) => Object.fromEntries(names.map((column, i) => [column, record[i] ?? ""])));
+    const all = await columnsOf(name);
+    return all && all[0].slice(1).map((_, i) => Object.fromEntries(all.map((column) => [column[0], column[i + 1]])));
   }
 
   const columns = (names, all) => {
@@ -89,35 +90,38 @@ const suite = (() => {
     return Object.fromEntries(names.map((name, i) => [name, all.subarray(i * count, (i + 1) * count)]));
   };
 
-  const TRUE = ["x", "y", "angle", "slip", "xi1", "normal", "friction"];
-  const OFF = ["x", "y", "angle", "slip"];
+  const OFF = ["x", "y", "angle", "slip"], XY = ["x", "y"], POSE = ["x", "y", "angle"];
   const cache = new Map();
+
+  // Start, words and cause of each mode: those of the contact, of several those of all that are closed.
+  function modesOf(lanes) {
+    if (lanes.length === 1) return lanes[0][1];
+    const closed = (when) => lanes.map(([name, its]) => [its.filter(([begins]) => begins <= when).at(-1), name]).filter(([[, mode]]) => mode !== "flight");
+    const begins = [...new Set(lanes.flatMap(([, its]) => its.map(([when]) => when)))].sort((a, b) => a - b);
+    return begins.map((when) => [when, closed(when).map(([[, mode], name]) => `${mode} at ${name}`).join(", ") || "flight"]);
+  }
 
   async function read(label) {
     const block = [...document.querySelectorAll("script.motion")].find((one) => one.dataset.case === label);
     if (!block) return null;
-    const data = JSON.parse(block.textContent), t = await numbers(data.t);
-    const truth = columns(TRUE, await numbers(data.truth));
-    const drawn = async (curve) => ({ ...curve, ...columns(["x", "y"], await numbers(curve.points)) });
-    const track = await drawn(data.track), supports = await Promise.all(data.supports.map(drawn));
+    const bytes = await inflate(block.textContent), text = (from, to) => JSON.parse(new TextDecoder().decode(bytes.subarray(from, to)));
+    const first = bytes.indexOf(0), second = bytes.indexOf(0, first + 1), data = text(0, first);
+    let place = second + 1;
+    const arrays = text(first + 1, second).map(([count, rest]) => numbers(bytes.subarray(place, place += 4 * count), count, rest));
+    const drawn = (curve) => ({ ...curve, ...columns(XY, arrays[curve.points]) });
+    const t = arrays[data.t], truth = { ...columns([...POSE, "xi1"], arrays[data.truth[0]]), ...columns(["slip", "normal", "friction"], arrays[data.truth[1]]) };
     // Sample times are rounded to 32 bits; start and end are exact. Differences have every second sample and the last.
-    const runs = [], coarse = t.filter((_, i) => i % 2 === 0 || i === t.length - 1);
-    const fill = (values) => Float32Array.from(t, (time) => at(coarse, values, time));
-    for (const run of data.runs) {
-      const filled = async (names, packed) => {
-        const given = columns(names, await numbers(packed));
-        return Object.fromEntries(names.map((name) => [name, fill(given[name])]));
-      };
-      const further = [];
-      for (const packed of run.plates) further.push(await filled(OFF.slice(0, 3), packed));
-      runs.push({ ...run, off: await filled(OFF, run.data), plates: further });
-    }
-    const contacts = [];
-    for (const { name, curve, data: packed } of data.contacts) contacts.push({ name, curve, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
-    const plates = [];
-    for (const { outline, data: packed } of data.plates)
-      plates.push({ outline: columns(["x", "y"], await numbers(outline)), ...columns(["x", "y", "angle"], await numbers(packed)) });
-    return { ...data, t, truth, runs, contacts, plates, track, supports, outline: columns(["x", "y"], await numbers(data.outline)) };
+    const coarse = t.filter((_, i) => i % 2 === 0 || i === t.length - 1), length = coarse.length;
+    const filled = (names, values, from) => Object.fromEntries(names.map((name, i) => {
+      const given = values.subarray((from + i) * length, (from + i + 1) * length);
+      return [name, Float32Array.from(t, (time) => at(coarse, given, time))];
+    }));
+    return {
+      ...data, t, truth, modes: modesOf(data.lanes), track: drawn(data.track), supports: data.supports.map(drawn), outline: columns(XY, arrays[data.outline]),
+      runs: data.runs.map((run) => ({ ...run, off: filled(OFF, arrays[run.off], 0), plates: data.plates.map((_, k) => filled(POSE, arrays[run.off], 4 + 3 * k)) })),
+      contacts: data.contacts.map(({ data: given, ...one }) => ({ ...one, ...columns(["xi1", "normal", "friction", "low", "high"], arrays[given]) })),
+      plates: data.plates.map((one) => ({ outline: columns(XY, arrays[one.outline]), ...columns(POSE, arrays[one.data]) })),
+    };
   }
 
   const motion = (label) => cache.get(label) ?? (cache.set(label, read(label)), cache.get(label));
@@ -142,5 +146,5 @@ const suite = (() => {
   const seconds = (value) => value >= 0.45 ? `${number(value)} s` : value >= 0.995e-3 ? `${number(1e3 * value)} ms` : `${number(1e6 * value)} µs`;
   const isWhole = () => hidden.solver.size + hidden.route.size === 0;
 
-  return { on, kept, keep, isWhole, whenSwitched, announce, colour, colourOf, motion, file, rows, at, digits, number, seconds };
+  return { on, kept, keep, isWhole, whenSwitched, announce, colour, colourOf, motion, file, csv, rows, at, digits, number, seconds };
 })();

@@ -66,20 +66,25 @@ suite.table = (table) => {
     if (!shown()) all.click();
   } else begin(shown());
   const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
-  const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
   // The rows that the filter and the switches leave, on all pages, with all digits if the cell has a sort key.
   const visible = () => (grid ? [...grid.rows({ search: "applied", order: "applied" }).nodes().toArray()] : [...table.tBodies[0].rows]).filter((row) => !row.dataset.solver || suite.on(row.dataset.solver, row.dataset.route));
-  const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...visible()]
-    .map((row) => [...row.cells].map((cell) => quoted(+cell.dataset.order < EMPTY ? cell.dataset.order : row.parentNode ? text(cell) : cell.textContent)).join(",")).join("\n") + "\n";
+  const csv = () => suite.csv([table.tHead.rows[table.tHead.rows.length - 1], ...visible()]
+    .map((row) => [...row.cells].map((cell) => (+cell.dataset.order < EMPTY ? cell.dataset.order : row.parentNode ? text(cell) : cell.textContent))));
   button("copy", async (one) => {
     try { await navigator.clipboard.writeText(csv()); one.textContent = "copied"; } catch { one.textContent = "not allowed"; }
     setTimeout(() => { one.textContent = "copy"; }, 1500);
   });
 };
 
+// A cell belongs to its column's route, which the switches hide.
+document.querySelectorAll("table.cells").forEach((table) => [...table.tHead.rows[0].cells].forEach((head, i) => {
+  head.dataset.name = head.innerText.replace(/\s+/g, " ").trim();
+  if (head.dataset.solver) for (const row of table.tBodies[0].rows) Object.assign(row.cells[i].dataset, { solver: head.dataset.solver, ...(head.dataset.route ? { route: head.dataset.route } : {}) });
+}));
+
 // The details of a cell on tap, click and focus: one stop of Tab for the whole table, then the arrow keys.
 suite.cells = (table) => {
-  const details = table.closest("article").querySelector(".details");
+  const details = table.closest("article").querySelector(".details"), heads = table.tHead.rows[0].cells;
   let now = null;
   const go = (cell) => {
     if (!cell?.title) return;
@@ -90,7 +95,7 @@ suite.cells = (table) => {
     cell.focus();
   };
   table.addEventListener("click", (event) => go(event.target.closest("td[title]")));
-  table.addEventListener("focusin", ({ target }) => { if (target.matches("td[title]")) details.textContent = `${target.parentNode.querySelector("th").textContent}: ${target.title}`; });
+  table.addEventListener("focusin", ({ target }) => { if (target.matches("td[title]")) details.textContent = `${target.parentNode.querySelector("th").textContent}, ${heads[target.cellIndex].dataset.name}: ${target.title}`; });
   table.addEventListener("keydown", (event) => {
     const [down, right] = { ArrowDown: [1, 0], ArrowUp: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] }[event.key] ?? [];
     if (down === undefined || !event.target.matches("td")) return;
@@ -120,8 +125,9 @@ suite.shorten = (value, column, isNumber) => {
 document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("click", async (event) => {
   if (link.dataset.saving) return;
   event.preventDefault();
-  const text = await suite.file(link.dataset.file), address = link.href;
+  const address = link.href, name = link.textContent, text = await suite.file(name.replace(".csv", ""));
   if (text !== null) link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
   link.dataset.saving = "yes";
   link.click();
   delete link.dataset.saving;
