@@ -10,7 +10,7 @@ from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import Experiment, Run, default, defaults, finest, routes
 from . import motions
 from .fragments import anchor, short_percent, switch
-from .page_table import Cell, Head, Line, PageTable, number_cell
+from .page_table import Cell, Head, PageRow, PageTable, number_cell
 
 
 def matrix(experiment: Experiment, order: Iterable[tuple[str, str]]) -> PageTable:
@@ -23,7 +23,7 @@ def matrix(experiment: Experiment, order: Iterable[tuple[str, str]]) -> PageTabl
         own = Cell(f"{label}{'*' * bool(why)}", kind="case", tip=why and f"not ranked: {why}", link=f"#{anchor(label)}")
         change = number_cell(short_percent(sensitivity) if isfinite(sensitivity) else "", sensitivity)
         cells = [cell for key in keys for cell in _cells(groups.get((label, *key), ()))]
-        rows.append(Line([Cell(motions.family(case)), own, change, *cells]))
+        rows.append(PageRow([Cell(motions.family(case)), own, change, *cells]))
     families = list(dict.fromkeys(row.cells[0].text for row in rows))
     rows.sort(key=lambda row: families.index(row.cells[0].text))
     tip = "off in % that 1 % more or less friction makes"

@@ -14,7 +14,7 @@ from ..running.records import Experiment
 from ..running.solvers import NOT_INSTALLED
 from . import motions
 from .fragments import anchor, command_of, records, switch
-from .page_table import Cell, Head, Line, PageTable
+from .page_table import Cell, Head, PageRow, PageTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,7 +76,7 @@ def failures(frame: pd.DataFrame) -> PageTable:
     return PageTable("what did not work", heads, lines, "", "trajectories", len(lines), len(heads))
 
 
-def _failure(word: str, rows: Sequence[dict[str, Any]]) -> Line:
+def _failure(word: str, rows: Sequence[dict[str, Any]]) -> PageRow:
     worst = max(rows, key=lambda row: row["off"] if isfinite(row["off"]) else 0.0)
     names = list(dict.fromkeys(row["case"] for row in rows))
     more = f" and {len(names) - _NAMED_CASES} more" if len(names) > _NAMED_CASES else ""
@@ -88,7 +88,7 @@ def _failure(word: str, rows: Sequence[dict[str, Any]]) -> Line:
         Cell(f"{', '.join(names[:_NAMED_CASES])}{more}"),
         Cell(f"{where}{worst['reason']}", kind="reason"),
     ]
-    return Line(cells, worst["solver"], switch(worst["solver"], worst["route"]))
+    return PageRow(cells, worst["solver"], switch(worst["solver"], worst["route"]))
 
 
 def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:

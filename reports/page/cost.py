@@ -15,7 +15,7 @@ from ..drawing.colours import LineStyles
 from ..drawing.figures import LEAST_OFF, against_cost
 from ..judging.grades import LEVELS, percent
 from .fragments import figure_of, records, switch
-from .page_table import Cell, Head, Line, PageTable, number_cell
+from .page_table import Cell, Head, PageRow, PageTable, number_cell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,10 +92,10 @@ def _heads(titles: Sequence[str]) -> list[Head]:
     return [Head("case"), Head("route"), *(Head(title, number=True) for title in titles)]
 
 
-def _line(row: Mapping[str, Any], cells: Sequence[Cell]) -> Line:
+def _line(row: Mapping[str, Any], cells: Sequence[Cell]) -> PageRow:
     """A row of a case and a route."""
     names = [Cell(row["case"]), Cell(f"{row['solver']} {row['route']}")]
-    return Line([*names, *cells], row["solver"], switch(row["solver"], row["route"]), group=row["case"])
+    return PageRow([*names, *cells], row["solver"], switch(row["solver"], row["route"]), group=row["case"])
 
 
 def _level_cell(row: dict[str, Any]) -> Cell:

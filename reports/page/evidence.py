@@ -13,7 +13,7 @@ from reference.proofs.record import DecimalInterval, Proof, ProvedTransition
 from .. import studies
 from ..running.records import Experiment, Truth
 from .fragments import anchor
-from .page_table import LAST, Cell, Head, Line, PageTable, table
+from .page_table import LAST, Cell, Head, PageRow, PageTable, table
 
 if TYPE_CHECKING:
     from ..studies import Result
@@ -54,7 +54,7 @@ def _has_none(truth: Truth, proof: Proof) -> bool:
     return proof.complete and not proof.transitions and not truth.transitions and not truth.failure
 
 
-def _line(label: str, truth: Truth, proof: Proof) -> Line:
+def _line(label: str, truth: Truth, proof: Proof) -> PageRow:
     first, many = proof.transitions[0] if proof.transitions else None, len(truth.transitions)
     cells = [
         Cell(label, link=f"#{anchor(label)}"),
@@ -64,7 +64,7 @@ def _line(label: str, truth: Truth, proof: Proof) -> Line:
         Cell(f"{first.time.width:.0e}".replace("e-0", "e-") if first else "", kind="number"),
         Cell(_share(first) if first else "", kind="number"),
     ]
-    return Line(cells, tip=proof.statement if len(proof.transitions) <= _MOST_CLAIMS else "")
+    return PageRow(cells, tip=proof.statement if len(proof.transitions) <= _MOST_CLAIMS else "")
 
 
 def _share(transition: ProvedTransition) -> str:

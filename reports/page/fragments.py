@@ -27,8 +27,13 @@ _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 @lru_cache(maxsize=1)
 def environment() -> Environment:
     """The templates of the page; all text is escaped, and an undefined name is an error."""
-    loader = FileSystemLoader(_TEMPLATES)
-    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    result = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    # A number stays on one line with its percent sign.
+    result.filters["joined"] = lambda text: text.replace(" %", "\N{NO-BREAK SPACE}%")
+    return result
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:

@@ -61,7 +61,7 @@ class Head(NamedTuple):
     route: str = ""
 
 
-class Line(NamedTuple):
+class PageRow(NamedTuple):
     """A row: its cells, its solver and route for the page's switches, its tooltip, and the group it belongs to."""
 
     cells: Sequence[Cell]
@@ -77,7 +77,7 @@ class PageTable:
 
     name: str
     heads: Sequence[Head]
-    rows: Sequence[Line]
+    rows: Sequence[PageRow]
     kind: str = ""
     file: str = ""
     count: int = 0
@@ -112,7 +112,7 @@ def table(
     rows = []
     for row in records(top):
         solver, route = str(row.get("solver", "")), str(row.get("route", ""))
-        rows.append(Line([_cell(row[c], c, c in numeric) for c in visible], solver, switch(solver, route)))
+        rows.append(PageRow([_cell(row[c], c, c in numeric) for c in visible], solver, switch(solver, route)))
     return PageTable(name, heads, rows, file=file, count=len(frame), columns=len(columns))
 
 

@@ -36,7 +36,7 @@ def test_three_questions_are_answered_within_the_first_screen(open_page):
     visible = page.evaluate(
         """() => [...document.querySelectorAll("#answer :is(h2, h3, p, th, td, text)")].filter(e => e.checkVisibility())
         .filter(e => e.getBoundingClientRect().bottom <= innerHeight).map(e => e.textContent).join(" | ")"""
-    )
+    ).replace("\N{NO-BREAK SPACE}", " ")
     assert "100 % off is as bad as ignoring friction" in visible
     assert re.search(r"(needs a .* instead of .* for 1 %|default settings are within 1 %)", visible)
     assert "Slip velocity in disc_in_circle[mu=0.2]" in visible and "slip v > 0" in visible and "rolls" in visible
