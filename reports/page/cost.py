@@ -68,8 +68,8 @@ def _calls(time_rows: Sequence[dict[str, Any]]) -> PageTable:
     for group in groups(reaching, "case").values():
         for row in sorted(group, key=lambda r: (not isfinite(cost(r, 1)), cost(r, 1), r["call_s"])):
             runs = row["break_even_runs"]
-            spent = (cost(row, 1), cost(row, 1000), row["call_s"], *(row[name] for name in _PARTS))
-            cells = [number_cell(seconds(value) if isfinite(value) else "", value) for value in spent]
+            durations = (cost(row, 1), cost(row, 1000), row["call_s"], *(row[name] for name in _PARTS))
+            cells = [number_cell(seconds(value) if isfinite(value) else "", value) for value in durations]
             cells.append(number_cell(f"{runs:,.0f}" if isfinite(runs) else "", runs))
             lines.append(_line(row, cells))
     titles = ("first run, cold start", "1,000 runs", "whole call, warm", *_PARTS.values())

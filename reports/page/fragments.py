@@ -1,4 +1,4 @@
-"""Elements of the page: templates, figures, packed files, short numbers, and the command that reproduces them."""
+"""Elements of the page: templates, figures, compress files, short numbers, and the command that reproduces them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(column): value for column, value in row.items()} for row in frame.to_dict("records")]
 
 
-def packed(data: bytes) -> str:
+def compress(data: bytes) -> str:
     """Bytes as text of compressed data: base 85, a fifteenth shorter than base 64. A comma stands for its "<", so that
     no text can close or open an element."""
     return b85encode(zlib.compress(data, 9)).decode().replace("<", ",")

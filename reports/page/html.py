@@ -18,7 +18,7 @@ from ..judging.grades import LIMITS, percent
 from ..running.names import REFERENCE
 from ..running.records import TRUTH_RTOL, Experiment
 from . import chapters, cost, evidence, front_page, motions, vendor
-from .fragments import anchor, environment, figure_of, packed
+from .fragments import anchor, compress, environment, figure_of
 from .fragments import command_of as command_of
 from .page_table import PageTable, table
 
@@ -144,7 +144,7 @@ def _columns(file: Path) -> str:
     texts = (
         "\x1f".join([name, *(cell if name in _EXACT else _short(cell) for cell in cells)]) for name, cells in columns
     )
-    return packed("\x1e".join(texts).encode())
+    return compress("\x1e".join(texts).encode())
 
 
 def _short(cell: str) -> str:

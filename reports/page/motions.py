@@ -24,7 +24,7 @@ from ..drawing.figures import is_stuck
 from ..judging.grades import percent
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, Truth, default, routes
-from .fragments import packed
+from .fragments import compress
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 301
@@ -193,20 +193,20 @@ def script(facts: Mapping[str, Any]) -> str:
     the rounded bits of each array; and the arrays' bytes, all compressed."""
     heads, planes = list[tuple[int, int]](), list[bytes]()
 
-    def collected(value: Any) -> Any:
+    def collect(value: Any) -> Any:
         if isinstance(value, Numbers):
             heads.append((value.values.size, 23 - value.bits))
-            planes.append(encoded(*value))
+            planes.append(encode(*value))
             return len(heads) - 1
         if isinstance(value, Mapping):
-            return {key: collected(one) for key, one in value.items()}
-        return [collected(one) for one in value] if isinstance(value, list | tuple) else value
+            return {key: collect(one) for key, one in value.items()}
+        return [collect(one) for one in value] if isinstance(value, list | tuple) else value
 
-    texts = [json.dumps(one, separators=(",", ":")) for one in (collected(facts), heads)]
-    return packed(b"".join([*(text.encode() + b"\0" for text in texts), *planes]))
+    texts = [json.dumps(one, separators=(",", ":")) for one in (collect(facts), heads)]
+    return compress(b"".join([*(text.encode() + b"\0" for text in texts), *planes]))
 
 
-def encoded(values: np.ndarray, bits: int) -> bytes:
+def encode(values: np.ndarray, bits: int) -> bytes:
     """Numbers as 32-bit floats whose mantissas are rounded to so many bits.
 
     The bits of a positive float, read as an integer, grow with it. Motions are smooth, so the second differences of

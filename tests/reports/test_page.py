@@ -20,10 +20,11 @@ from adapters import Setting
 from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
 from reports.analysis import verdict
-from reports.page import chapters, evidence, html, motions, text, vendor
+from reports.page import chapters, evidence, html, motions, vendor
 from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
 from reports.page.fragments import anchor, short_percent
+from reports.page.text import write
 from reports.running.records import Experiment, Truth
 
 from .test_verdict import experiment, run
@@ -34,7 +35,7 @@ CASE = cases.load("disc_on_line", mu=0.1)
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
 
 
-def decoded(planes: bytes, rest: int) -> np.ndarray:
+def decode(planes: bytes, rest: int) -> np.ndarray:
     """The numbers of an array, as `numbers` of state.js reads them."""
     bytes_ = np.frombuffer(planes, np.uint8).reshape(4, -1)
     zigzag = np.ascontiguousarray(bytes_.T).view("<u4").ravel().astype(np.int64)
@@ -50,24 +51,25 @@ def test_numbers_travel_with_the_digits_that_are_asked_for():
     )
     values = values[np.isnan(values) | (abs(values) < 3e38)]
     for bits in (8, 13, 16, 23):
-        found = decoded(motions.encoded(values, bits), 23 - bits)
+        found = decode(motions.encode(values, bits), 23 - bits)
         sound = abs(values) > 1e-37  # smaller ones have fewer digits in 32 bits
         assert np.all(abs(found[sound] - values[sound]) <= 2.0**-bits * abs(values[sound]))
         assert np.array_equal(np.isnan(found), np.isnan(values))
 
 
 def test_a_motion_in_the_page_has_its_facts_and_its_arrays():
-    facts = {"label": "a<b", "t": motions.Numbers(np.arange(3.0), 23), "runs": [{"off": motions.Numbers(np.ones(2), 8)}]}
-    text = motions.script(facts)
-    assert "<" not in text
-    said, heads, planes = zlib.decompress(b85decode(text.replace(",", "<"))).split(b"\0", 2)
+    numbers = motions.Numbers
+    facts = {"label": "a<b", "t": numbers(np.arange(3.0), 23), "runs": [{"off": numbers(np.ones(2), 8)}]}
+    script = motions.script(facts)
+    assert "<" not in script
+    said, heads, planes = zlib.decompress(b85decode(script.replace(",", "<"))).split(b"\0", 2)
     assert json.loads(said) == {"label": "a<b", "t": 0, "runs": [{"off": 1}]} and json.loads(heads) == [[3, 0], [2, 15]]
-    assert decoded(planes[:12], 0).tolist() == [0.0, 1.0, 2.0] and decoded(planes[12:], 15).tolist() == [1.0, 1.0]
+    assert decode(planes[:12], 0).tolist() == [0.0, 1.0, 2.0] and decode(planes[12:], 15).tolist() == [1.0, 1.0]
 
 
 def test_the_pages_copy_of_a_file_has_its_cells_and_times_have_all_digits(tmp_path):
     frame = pd.DataFrame({"time": [1 / 3, 2.0], "error": [1 / 3, -1.2345678901e-7], "reason": ['a "b", c', "0.1"]})
-    text.write({"one": frame, "none": frame.head(0)}, tmp_path)
+    write({"one": frame, "none": frame.head(0)}, tmp_path)
     columns = [c.split("\x1f") for c in _read(html._columns(tmp_path / "one.csv")).split("\x1e")]
     assert columns[0] == ["time", repr(1 / 3), "2.0"] and columns[2] == ["reason", 'a "b", c', "0.1"]
     assert columns[1] == ["error", "0.333333333", "-1.23456789e-07"]

@@ -39,7 +39,7 @@ const suite = (() => {
   };
   const colourOf = (solver) => colour(`--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")}`);
 
-  // The bytes of compressed data in base 85, as `packed` of fragments.py writes them.
+  // The bytes of compressed data in base 85, as `compress` of fragments.py writes them.
   const DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";
   const VALUE = Object.fromEntries([...DIGITS].map((c, i) => [c, i]));
   async function inflate(text) {
