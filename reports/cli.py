@@ -18,13 +18,12 @@ NAME = "slip-to-roll"
 COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
     "report study": ("reports.study", "run one of the additional studies"),
-    "compare": ("reports.compare", "judge a motion from a file, or compare two reports"),
+    "compare": ("reports.compare", "judge motions from a file or a folder, or compare two reports"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
     "history": ("reports.history", "what changed from version to version of an engine"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
     "cases": ("cases.commands", "list, show, make, check and export cases"),
     "cases film": ("reports.animate", "write an animation of a motion, GIF or MP4"),
-    "cases submit": ("reports.submit", "check motions before you submit them"),
     "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
     "prove check": ("reference.proof_checker.__main__", "check proof records with an independent program"),
     "release publish": ("reports.publish", "publish a report with its release, in a clone"),
@@ -34,11 +33,11 @@ COMMANDS = {
 }
 # Older names, for one version.
 ALIASES = {
-    "animate": "cases film", "submit": "cases submit", "study": "report study", "check-proof": "prove check",
+    "animate": "cases film", "study": "report study", "check-proof": "prove check",
     "publish": "release publish", "deposit": "release deposit", "cite": "release cite",
 }  # fmt: skip
 # Older names of commands with options of their own, for one version: `compare` has what they do.
-_OLDER = {"compare-builds": "reports.compare_builds", "gate": "reports.gate"}
+_OLDER = {"compare-builds": "reports.compare_builds", "gate": "reports.gate", "submit": "reports.submit"}
 # Commands of older versions: what to type instead.
 GONE = {"completion": f"{NAME} --help lists the commands, {NAME} COMMAND --help the options of one"}
 _MODULES = {name: module for name, (module, _) in COMMANDS.items()} | _OLDER

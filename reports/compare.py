@@ -1,14 +1,15 @@
 """`python -m reports.compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
 
-Columns of the file: `adapters.common.motion_table`. Exit status: 0 if the file could be judged, whatever its grade; 2,
-with one sentence, if not. Of two folders it compares the reports: `compare_builds`, with --worse-than `gate`.
+Columns of the file: `adapters.common.motion_table`. A folder with `submission.toml` has motions of several cases, a
+line for each. Exit status: 0 if all could be judged, whatever their grades; 2, with one sentence, for the first that
+could not. Of two folders it compares the reports: `compare_builds`, with --worse-than `gate`.
 """
 
 from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -100,6 +101,24 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     )
 
 
+def submission(folder: Path) -> str:
+    """The judgement of the motions in a folder as text; raises CaseError for the first that cannot be judged."""
+    from tabulate import tabulate
+
+    from .running import submissions
+
+    motions, runs = submissions.judge_all(folder)
+    rows, pairings = [], ("paired", "missed", "spurious")
+    for run in runs:
+        counts = [sum(r.pairing == word for r in run.ledger) for word in pairings]
+        off, doubt = (run.score.off, run.score.doubt) if run.score else (nan, nan)
+        error = next((r.error for r in run.ledger if r.event == 1), nan)
+        rows.append((run.case, run.outcome, run.grade, off, doubt, run.friction_factor, *counts, error))
+    head = ("case", "outcome", "grade", "off", "± doubt", "friction ×", *pairings, "first transition's error / s")
+    why = "".join(f"\n\n{run.case}: {run.reason}" for run in runs if run.reason)
+    return f"{motions.name}, by {motions.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
+
+
 def _law_text(error: LawError) -> str:
     """The error of the law of friction in slip, from the file's samples alone."""
     if not isfinite(error.median):
@@ -125,15 +144,24 @@ def _time_text(motion: Trajectory, time: float) -> float:
     "second is worse (exit status 1; 3 if that is not decided).",
     "case_file", "creep", "solver", "worse_than", "format",
     words={
-        "CASE": f"{options.A_CASE}; or the folder of a report",
-        "FILE": "comma-separated values with the columns t, x, y, theta; or the folder of another report",
+        "CASE": f"{options.A_CASE}; or the folder of a report, or, alone, of motions with their submission.toml",
+        "FILE*": "comma-separated values with the columns t, x, y, theta; or the folder of another report",
     },
     example=f"python -m {COMMAND} old report --worse-than 10% --solver exudyn --format junit > worse.xml",
 )  # fmt: skip
 def main(arguments: Namespace, words: list[str]) -> int:
-    """Print the judgement of a file, or the comparison of two reports; returns the exit status."""
-    if Path(arguments.CASE).is_dir() and Path(arguments.FILE).is_dir():
-        one, other = place("report", arguments.CASE), place("report", arguments.FILE)
+    """Print the judgement of a file or a folder of motions, or the comparison of two reports; returns the exit
+    status."""
+    if not arguments.FILE:
+        if not Path(arguments.CASE).is_dir():
+            raise BadValue(f"{arguments.CASE!r} is no folder of motions; give a case and a FILE, or such a folder")
+        print(submission(place("folder", arguments.CASE)))
+        return 0
+    if len(arguments.FILE) > 1:
+        raise BadValue(f"give one file, not {len(arguments.FILE)}")
+    (file,) = arguments.FILE
+    if Path(arguments.CASE).is_dir() and Path(file).is_dir():
+        one, other = place("report", arguments.CASE), place("report", file)
         if arguments.worse_than is not None:
             return gate.show(one, other, arguments)
         return compare_builds.show(one, other, arguments.solver or ())
@@ -141,7 +169,7 @@ def main(arguments: Namespace, words: list[str]) -> int:
         raise BadValue("--solver and --worse-than are for the folders of two reports; leave them out")
     options.load_files(arguments.case_file)
     case = lookup.case_name(arguments.CASE).one()
-    print(compare(case, existing("file", arguments.FILE), options.creep_of(arguments.creep)))
+    print(compare(case, existing("file", file), options.creep_of(arguments.creep)))
     return 0
 
 

@@ -1,8 +1,9 @@
 """`python -m reports.compare A B`: differences between two reports, of two machines, versions or days.
 
 With the same code and machine, grades and errors must be equal to the last digit. Times vary; only differences outside
-both reports' intervals are shown. A report of an older format is compared in the tables that have the same meaning.
-Exit status: 0 if nothing differs, 3 if something does, 2 if the two cannot be compared.
+both reports' intervals are shown.
+Exit status: 0 if nothing differs, 3 if something does, 2 if the two cannot be compared, as one of version 0.1.0 with a
+later one.
 """
 
 from __future__ import annotations
@@ -33,9 +34,6 @@ _OF_THE_DAY = {
     "order_in_time", "order_in_time_low", "order_in_time_high", "good_first_s", "good_thousand_s",
     "version",  # shown for the whole report
 }  # fmt: skip
-# Tables compared between reports of different formats, and columns whose meaning differs between these.
-_OF_EVERY_FORMAT = ("headline", "trajectories", "truth", "null_scores")
-_OF_ONE_FORMAT = {"outcome", "reason", "grade_reason", "default_outcome", "finest_outcome", "reached", "order"}
 _TIMING_KEYS = ("case", "level", "solver", "route")
 # The numbers of `time_to_accuracy` that are compared.
 _RATIOS = ("ratio", "ratio_low", "ratio_high", "rank")
@@ -73,12 +71,14 @@ class BuildComparison(NamedTuple):
 def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildComparison:
     """Compare the reports in two folders, or one of two `solvers` in the first with the other in the second.
 
-    Raises BadValue for a folder without a report or without the solver."""
+    Raises BadValue for a folder without a report or without the solver, and for reports of two formats."""
     for folder in (one, other):
         if not list((folder / "tables").glob("*.csv")) or not (folder / "manifest.json").is_file():
             raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
-    same_format = _format(one) == _format(other)
-    frames = [_tables(folder, same_format) for folder in (one, other)]
+    formats = [_manifest(folder / "manifest.json").get("format", 1) for folder in (one, other)]
+    if formats[0] != formats[1]:
+        raise BadValue(f"{one} has the format {formats[0]} and {other} {formats[1]}; build the older one again")
+    frames = [_tables(folder) for folder in (one, other)]
     if solvers:
         both = " | ".join(solvers)
         frames = [
@@ -112,22 +112,14 @@ def _is_reached(row: dict[str, Any]) -> bool:
     return row["reached"] not in ("not reached", "not known")
 
 
-def _format(folder: Path) -> int:
-    """The format of a report; 1 if its manifest names none."""
-    number = _manifest(folder / "manifest.json").get("format", 1)
-    return number if isinstance(number, int) else 1
-
-
-def _tables(folder: Path, same_format: bool) -> dict[str, pd.DataFrame]:
-    """The tables of a report; if the formats differ, only those with the same meaning, without columns that differ."""
-    files = sorted((folder / "tables").glob("*.csv"))
+def _tables(folder: Path) -> dict[str, pd.DataFrame]:
+    """The tables of a report."""
     frames: dict[str, pd.DataFrame] = {}
-    for file in files if same_format else [file for file in files if file.stem in _OF_EVERY_FORMAT]:
+    for file in sorted((folder / "tables").glob("*.csv")):
         # Read as text, so that nothing is rounded and empty cells are equal.
         kind = str if file.stem in _keys() else None
-        frame = read_table(file, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
-        _check_columns(file, frame)
-        frames[file.stem] = frame if same_format else frame.drop(columns=[*_OF_ONE_FORMAT & {*frame.columns}])
+        frames[file.stem] = read_table(file, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
+        _check_columns(file, frames[file.stem])
     return frames
 
 
@@ -213,7 +205,7 @@ def summary_lines(comparison: BuildComparison, one: Path, other: Path, solvers: 
     """The comparison as text, after differences in how the reports were made."""
     names = [f", {name}" for name in solvers] or ["", ""]
     lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other)]
-    lines += _format_note(one, other) or _only_in_one(one, other)
+    lines += _only_in_one(one, other)
     parts = {
         "results that changed": comparison.results,
         "levels reached that changed": comparison.levels,
@@ -250,18 +242,6 @@ def _only_in_one(one: Path, other: Path) -> list[str]:
         f"{report} has no table {', '.join(sorted(tables))}: not compared"
         for report, tables in lacking.items()
         if tables
-    ]
-
-
-def _format_note(one: Path, other: Path) -> list[str]:
-    """A line if the reports have different formats."""
-    formats = {"A": _format(one), "B": _format(other)}
-    older = min(formats, key=lambda report: formats[report])
-    if len({*formats.values()}) == 1:
-        return []
-    return [
-        f"{older} has the older format {formats[older]} (up to version 0.1.0), with other outcomes and levels: only "
-        f"errors in {', '.join(_OF_EVERY_FORMAT)} are compared"
     ]
 
 

@@ -9,7 +9,6 @@ of its cases fails the session.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from cases.errors import unknown_name
 
 from .judging.grades import LIMITS, Grade, is_within, percent, summary
 from .running.records import Run
-from .running.tasks import attempt, find_truth, perform
+from .running.tasks import attempt, find_truth, measure
 
 # What an engine with friction has to get right, and a case for each: short motions with a kept truth.
 PHENOMENA = {
@@ -131,10 +130,10 @@ class EngineTest(pytest.Item):
                 pytest.skip(f"unsupported: {problem}")
         truth = find_truth(check.case)
         if not truth.failure:
-            return perform(check.case, check.engine, check.route, setting, 1, truth)
+            return measure(check.case, check.engine, check.route, setting, 1, truth)
         row = Run(check.case.label, check.engine, check.route, setting, 1, outcome="")
-        run = attempt(row, check.case, lambda row, motion: replace(row, outcome="answered"))
-        if run.outcome == "answered":
+        run, motion = attempt(row, check.case)
+        if motion is not None:
             pytest.fail(
                 f"slip-to-roll has no truth of this case, which is no fault of the engine: {truth.failure}", False
             )

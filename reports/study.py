@@ -16,7 +16,7 @@ COMMAND = "reports.study"
 
 @options.runs(
     COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine",
-    "full", "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
+    "full", "jobs", "store", "fresh", words={"NAME": "the study"},
     example=f"python -m {COMMAND} stability --solver reference pymunk",
 )  # fmt: skip
 def main(arguments: Namespace, words: list[str]) -> None:

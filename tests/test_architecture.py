@@ -41,7 +41,7 @@ FLOORS = (
 )  # fmt: skip
 # Commands that name one case with the same words, and `compare` with its two questions about reports.
 NEIGHBOURS = {
-    "export": {"show"}, "animate": {"show"}, "publish": {"deposit"}, "benchmark": {"deposit"},
+    "export": {"show"}, "animate": {"show"}, "submit": {"compare"}, "publish": {"deposit"}, "benchmark": {"deposit"},
     "compare": {"compare_builds", "gate"}, "gate": {"compare_builds"},
 }  # fmt: skip
 

@@ -12,7 +12,6 @@ import resource
 import signal
 import subprocess
 import tempfile
-import time
 from dataclasses import dataclass, replace
 from math import isfinite, nan
 from pathlib import Path
@@ -38,8 +37,6 @@ UNSUPPORTED_STATUS = 3
 LIMIT = "limit:"
 # Characters of a line that is quoted.
 _QUOTE_CHARACTERS = 200
-# How often its output is measured while it runs, s.
-_LOOKS = 0.01
 _COST = re.compile(r"^#\s*cost\b(.*)$", re.MULTILINE)
 
 
@@ -123,14 +120,13 @@ class Engine:
             scene_file = Path(folder) / "scene.json"
             scene_file.write_text(model.scene_text, encoding="utf-8")
             with scene_file.open("rb") as scene_text:
-                process = subprocess.Popen(
-                    self.command(self.path), stdin=scene_text, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
-                )
                 try:
-                    status = _wait(process, out.fileno(), err.fileno())
-                finally:
-                    process.kill()
-                    process.wait()
+                    status = subprocess.run(
+                        self.command(self.path), stdin=scene_text, stdout=out, stderr=err, cwd=folder,
+                        timeout=MOST_SECONDS, preexec_fn=_bound,
+                    ).returncode  # fmt: skip
+                except subprocess.TimeoutExpired:
+                    raise EngineFailure(f"it was still running after {MOST_SECONDS:g} s") from None
             _check_size(out.fileno(), err.fileno())
             message = _read(err, 2000)
             if status == UNSUPPORTED_STATUS:
@@ -152,19 +148,6 @@ class Engine:
         except CaseError as problem:
             raise EngineFailure(f"its output is no motion: {problem}") from problem
         return replace(motion, cost=_cost(model.output))
-
-
-def _wait(process: subprocess.Popen, *files: int) -> int:
-    """The exit status; raises EngineFailure if it writes or takes too much."""
-    end = time.monotonic() + MOST_SECONDS
-    while True:
-        try:
-            return process.wait(_LOOKS)
-        except subprocess.TimeoutExpired:
-            pass
-        _check_size(*files)
-        if time.monotonic() > end:
-            raise EngineFailure(f"it was still running after {MOST_SECONDS:g} s")
 
 
 def _check_size(*files: int) -> None:

@@ -9,6 +9,7 @@ import gc
 import importlib
 import os
 import resource
+import select
 import shutil
 import signal
 import sys
@@ -21,7 +22,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from multiprocessing.connection import Connection
 from pathlib import Path
-from pickle import dumps
+from pickle import dumps, loads
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,35 @@ class NextCall:
 def without_engines(function: Callable, *arguments: Any) -> Any:
     """`function(*arguments)` as a call's value, computed where no engine's code has run; at once outside workers."""
     return NextCall(function, arguments) if group else function(*arguments)
+
+
+def at_once(value: Any) -> Any:
+    """A call's value with its rest made in this process, too, where a call of many runs cannot wait for others."""
+    return value.function(*value.arguments) if isinstance(value, NextCall) else value
+
+
+def call_in_copy(function: Callable, argument: Any, limit: float) -> CallResult:
+    """The result of a call in a copy of this process, which has what this one has imported, within `limit` seconds."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        try:
+            signal.alarm(int(limit) + 1)
+            message = dumps(CallResult("done", function(argument)))
+        except BaseException as problem:  # the copy must end here and report any failure
+            message = dumps(CallResult("raised", reason=f"{type(problem).__name__}: {problem}"))
+        with os.fdopen(writing, "wb") as pipe:
+            pipe.write(message)
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        message = pipe.read() if select.select([pipe], [], [], limit)[0] else b""
+    if not message:
+        os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    ended = f"its process ended, or took more than {limit:g} s ({status})"
+    return loads(message) if message else CallResult("died", reason=ended)
 
 
 def serve(pipe: Connection, scratch: str, parent: int, engines: str, preload: str = "") -> None:

@@ -22,7 +22,7 @@ from .calls import Calls, Skip, StorePolicy
 from .ladder_selection import ladder_case
 from .records import Experiment, Offer, Run, Truth, finest, now, routes
 from .storage.fingerprint import truth_key
-from .tasks import find_truth, perform, survey_of_cases
+from .tasks import find_truth, measure, survey_of_cases
 from .time_limits import ASKING_SECONDS
 from .versions import split_version
 
@@ -58,7 +58,7 @@ def run_cases(
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case label, solver, route,
     ladder)` returns. A study may have the settings of a grid (`knobs`), `truths` of its own and `further` arguments of
-    `tasks.perform` by the case's label, another time `limit` (s) of a run, and a name of this `step`.
+    `tasks.measure` by the case's label, another time `limit` (s) of a run, and a name of this `step`.
 
     A solver that is not installed has no runs, only its entry in `versions`; one selected with a version has a row with
     the reason for each case."""
@@ -127,7 +127,7 @@ def _ask(requests: Sequence[tuple], silences: int, calls: Calls) -> dict[tuple[s
 
 
 class _Task(NamedTuple):
-    """A run to make: its place among the runs, and the arguments of `perform`."""
+    """A run to make: its place among the runs, and the arguments of `measure`."""
 
     place: int
     call: tuple
@@ -178,7 +178,7 @@ def _make(
     """Yield place and run of every task as they end; `in_order`: a route's settings are from coarse to fine."""
     skip: Skip = hopeless if in_order else lambda call, slow: None
     arguments = [task.call for task in tasks]
-    for i, answer in calls.each(step, perform, arguments, limit=limit, keep=_KEEP_RUN, skip=skip):
+    for i, answer in calls.each(step, measure, arguments, limit=limit, keep=_KEEP_RUN, skip=skip):
         yield tasks[i].place, _run(tasks[i].call, answer)
 
 

@@ -18,6 +18,8 @@ from cases.files import user_files
 
 from . import external_motions
 from .external_motions import External
+from .records import Run
+from .tasks import find_truth
 
 ROUTE = "submission"
 HEAD = "submission.toml"
@@ -109,6 +111,13 @@ def motion(submission: Submission, label: str) -> External:
         return external_motions.read(submission.name, registry.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem
+
+
+def judge_all(folder: Path) -> tuple[Submission, list[Run]]:
+    """The submission in a folder and the rows of its motions; raises CaseError for a wrong format."""
+    submission = read(folder)
+    motions = [motion(submission, label) for label in submission.files]
+    return submission, [external_motions.judge_motion(external, 1, find_truth(external.case)) for external in motions]
 
 
 def submissions_in(folder: Path) -> list[Submission]:

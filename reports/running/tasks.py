@@ -198,15 +198,15 @@ def _evenly(motion: Trajectory) -> Trajectory:
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
-def perform(
+def measure(
     case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth,
     true: Trajectory | None = None, is_hard: bool = False, in_detail: bool = True,
 ) -> Run:  # fmt: skip
     """Run one setting of one route and judge it, in a process without engines. Only `run` of the solver is timed.
 
     The run that the others are compared with is the truth's motion, with the times measured when that was computed.
-    `true`: samples of the truth's motion, in place of the motion; `is_hard`: the run has its residuals, and no samples;
-    `in_detail`: it has all samples for figures, else those of the page's player.
+    `true`: the truth's motion, perhaps sampled, where the worker need not compute it; `is_hard`: the run has its
+    residuals, and no samples; `in_detail`: it has all samples for figures, else those of the page's player.
 
     Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
@@ -217,14 +217,13 @@ def perform(
         raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
-    more = truth, laws, true, is_hard, in_detail
-    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, *more)  # noqa: E731
-    if is_truth(row, truth):
-        return attempt(row, case, assess, lambda: true_motion(case, truth.method))
-    return attempt(row, case, assess)
+    row, motion = attempt(row, case, truth.method if is_truth(row, truth) else "")
+    return (
+        row if motion is None else without_engines(_judgement, case, motion, row, truth, laws, true, is_hard, in_detail)
+    )
 
 
-def _judge_alone(
+def _judgement(
     case: Case,
     motion: Trajectory,
     row: Run,
@@ -242,31 +241,27 @@ def _judge_alone(
     return replace(run, samples={}, off={}, residuals=examine(case, motion))
 
 
-def attempt(
-    row: Run,
-    case: Case,
-    assess: Callable[[Run, Trajectory], Run],
-    clocked_motion: Callable[[], Trajectory] | None = None,
-) -> Run:
-    """The row of a run: unsupported, crashed, or the result of `assess(row, motion)` for a sound motion.
+def attempt(row: Run, case: Case, truth_method: str = "") -> tuple[Run, Trajectory | None]:
+    """The row of a run: unsupported, crashed, or without an outcome yet for a sound motion, with that motion.
 
-    `clocked_motion` returns the motion with its cost, in place of `run_on_clock`. Raises errors of the machine:
-    ImportError, MemoryError, OSError.
+    `truth_method`: the run is the truth's motion by that method. Raises errors of the machine: ImportError,
+    MemoryError, OSError.
     """
     try:
         module = solver(row.solver)
         settle(row.solver)
-        motion = clocked_motion() if clocked_motion else run_on_clock(module, case, row.route, row.setting)
+        motion = true_motion(case, truth_method) if truth_method else run_on_clock(module, case, row.route, row.setting)
     except NotSupported as problem:
-        return replace(row, outcome="unsupported", reason=legible(problem), refusal=legible(refusal_kind(problem)))
+        row = replace(row, outcome="unsupported", reason=legible(problem), refusal=legible(refusal_kind(problem)))
+        return row, None
     except (ImportError, MemoryError, OSError):
         raise
     except (Exception, SystemExit) as problem:
-        return replace(row, outcome="crashed", reason=reason_of_crash(problem).removeprefix("EngineFailure: "))
+        return replace(row, outcome="crashed", reason=reason_of_crash(problem).removeprefix("EngineFailure: ")), None
     row = replace(row, status=legible(motion.status), cost=motion.cost)
-    if not validation.sound(motion):
-        return replace(row, outcome="crashed", reason=f"it gave {validation.UNSOUND}")
-    return assess(row, motion)
+    if validation.sound(motion):
+        return row, motion
+    return replace(row, outcome="crashed", reason=f"it gave {validation.UNSOUND}"), None
 
 
 def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import platform
 import time
-from functools import partial
 from io import BytesIO
 from math import isfinite
 from typing import NamedTuple
@@ -18,12 +17,12 @@ from pyarrow import parquet
 
 import reference
 from adapters import refusal
-from cases import BadValue, Case, Trajectory
+from adapters.processes.worker import at_once
+from cases import BadValue
 from reference.sweeping import MANY, Plan, table
 
 from ..running import tasks
 from ..running.names import REFERENCE
-from ..running.records import Run
 from ..running.solvers import solver
 from ..running.storage import fingerprint
 
@@ -134,9 +133,9 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
     setting = next((s for s in engine.ladder(case, work.route) if s.is_default), None)
     if setting is None:
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")
-    run = tasks.attempt(
-        Run(case.label, work.solver, work.route, setting, 1, outcome=""), case, partial(_assess, case, work.plan.rtol)
-    )
+    true = reference.simulate(case, rtol=work.plan.rtol)
+    truth = tasks.truth_of(case, true, true.transitions, reference.METHODS[0])
+    run = at_once(tasks.measure(case, work.solver, work.route, setting, 1, truth, true))
     row: dict = {"setting": str(setting), "outcome": run.outcome, "reason": run.reason}
     if run.outcome != "answered" or run.score is None:
         return row
@@ -154,9 +153,3 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
         "error": time - (np.nan if reference_row["first_time"] is None else reference_row["first_time"]),
         "cpu_s": run.cost.cpu_s,
     }
-
-
-def _assess(case: Case, rtol: float, row: Run, motion: Trajectory) -> Run:
-    """The row of a motion compared with the reference's at the plan's tolerance."""
-    true = reference.simulate(case, rtol=rtol)
-    return tasks.judge(row, case, motion, true, tasks.truth_of(case, true, true.transitions, reference.METHODS[0]))

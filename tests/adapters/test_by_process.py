@@ -20,7 +20,7 @@ from adapters.laws.law_process import AdapterProcess
 from cases import BadValue
 from cases.contact import start_motion
 from reports import build, export, options
-from reports.running.tasks import find_truth, perform
+from reports.running.tasks import find_truth, measure
 
 pytestmark = pytest.mark.builds
 
@@ -51,7 +51,7 @@ def example() -> str:
 def row(name: str, label: str = LINE, rung: int = 4):
     case = cases.load(label)
     setting = lookup.engine(name).ladder(case, "process")[rung]
-    return perform(case, name, "process", setting, rung, find_truth(case))
+    return measure(case, name, "process", setting, rung, find_truth(case))
 
 
 # --- the scene --------------------------------------------------------------------------------------------------------

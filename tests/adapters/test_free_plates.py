@@ -15,7 +15,7 @@ from adapters.laws import judge
 from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
 from reports.judging import several_contacts
 from reports.judging.distances import differences
-from reports.running.tasks import find_truth, perform
+from reports.running.tasks import find_truth, measure
 
 from .engines import play
 from .mutants import Hashable
@@ -152,7 +152,7 @@ def test_contacts_of_a_plate_that_does_not_turn_roll(name):
     """A disc that sticks to a hemisphere was read as at rest, since the hemisphere does not turn: 100 % off."""
     pytest.importorskip(f"adapters.{name}")
     case = cases.load("disc_on_free_hemisphere")
-    run = perform(case, name, "native", engine(name).ladder(case, "native")[-2], 1, find_truth(case))
+    run = measure(case, name, "native", engine(name).ladder(case, "native")[-2], 1, find_truth(case))
     assert run.score is not None and run.score.off < 0.02
     assert {"x of upper", "y of upper", "angle of upper"} <= run.off.keys()
 

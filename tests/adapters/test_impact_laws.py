@@ -26,7 +26,7 @@ from cases import (
 )
 from cases.effects import IMPACT_LAWS
 from cases.library import ellipse, hill, line
-from reports.running.tasks import find_truth, perform
+from reports.running.tasks import find_truth, measure
 
 from .engines import play
 
@@ -131,7 +131,7 @@ def test_every_engine_tells_what_its_parameters_mean(name):
 def run(name: str, route: str, label: str, rung: int = 3):
     pytest.importorskip(f"adapters.{name}")
     case, adapter = cases.load(label), engine(name)
-    return perform(case, name, route, adapter.ladder(case, route)[rung], rung, find_truth(case))
+    return measure(case, name, route, adapter.ladder(case, route)[rung], rung, find_truth(case))
 
 
 @pytest.mark.slow

@@ -213,5 +213,5 @@ def test_the_kind_reaches_the_report_s_rows_from_an_adapter_and_from_a_program(m
     )
     monkeypatch.setattr(tasks, "solver", lambda name: program)
     row = tasks.Run("case", "mine", "process", tasks.Setting.of(), 1, outcome="")
-    row = tasks.attempt(row, cases.load("disc_in_circle"), lambda row, motion: row)
+    row, _ = tasks.attempt(row, cases.load("disc_in_circle"))
     assert (row.outcome, row.reason, row.refusal) == ("unsupported", str(reason), "the engine cannot: manual, belts")

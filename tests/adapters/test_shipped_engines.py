@@ -27,7 +27,7 @@ from cases.errors import UnknownName
 from cases.library import circle, hill, line
 from reports.running import solvers
 from reports.running.records import Run
-from reports.running.tasks import find_truth, perform
+from reports.running.tasks import find_truth, measure
 from reports.running.time_limits import RUN_SECONDS
 
 from .test_corners import ROLLS_OFF
@@ -82,7 +82,7 @@ def row(pool: WorkerPool, name: str, label: str, h: float = 1e-3, **knobs) -> Ru
     setting = next(each for each in ladder if not each.is_default and each["h"] <= h).but(**knobs)
     # The time limit of a full report: a run takes seconds, on a machine under load minutes.
     call = case, name, "process", setting, 4, find_truth(case)
-    ((_, answer),) = pool.run(perform, [call], limit=RUN_SECONDS["full"])
+    ((_, answer),) = pool.run(measure, [call], limit=RUN_SECONDS["full"])
     assert answer.outcome == "done", answer.failure
     return answer.value
 

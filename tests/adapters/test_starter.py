@@ -15,7 +15,7 @@ import cases
 from adapters import Setting, lookup
 from cases import CoulombFriction, Gravity, NotSupported, Unilateral
 from reports.judging.grades import LIMITS, Grade, is_within
-from reports.running.tasks import find_truth, perform
+from reports.running.tasks import find_truth, measure
 
 pytestmark = pytest.mark.builds
 
@@ -76,7 +76,7 @@ def run(build_engine, monkeypatch):
         name = lookup.register(build_engine(language))
         case = cases.load(label)
         setting = Setting.of(h=h) if h else lookup.engine(name).ladder(case, "process")[-1]
-        return perform(case, name, "process", setting, 7, truth(label))
+        return measure(case, name, "process", setting, 7, truth(label))
 
     return perform_finest
 

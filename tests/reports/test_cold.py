@@ -12,6 +12,7 @@ import pytest
 
 import cases
 from adapters import Setting
+from adapters.processes.worker import CallResult, call_in_copy
 from reports.running.timing import cold_start
 from reports.running.timing.clock import Contestant
 
@@ -36,7 +37,9 @@ def watch(monkeypatch) -> Watch:
 @pytest.fixture
 def here(watch, monkeypatch) -> Watch:
     """Calls are made in this process."""
-    monkeypatch.setattr(cold_start, "_in_child", lambda function, argument: function(argument))
+    monkeypatch.setattr(
+        cold_start, "call_in_copy", lambda function, argument, _: CallResult("done", function(argument))
+    )
     return watch
 
 
@@ -150,14 +153,14 @@ def test_a_route_that_fails_is_tried_once_and_others_go_on(here, monkeypatch):
             return here.engine(BUILD, RUN, READ)
         return SimpleNamespace(build=lambda case, route, setting: tried.append(setting["cost"]) or 1 / 0)
 
-    def apart(function, argument):
+    def apart(function, argument, _):
         try:
-            return function(argument)
+            return CallResult("done", function(argument))
         except ZeroDivisionError:
-            return "no more"
+            return CallResult("raised", reason="no more")
 
     monkeypatch.setattr(cold_start, "solver", solver)
-    monkeypatch.setattr(cold_start, "_in_child", apart)
+    monkeypatch.setattr(cold_start, "call_in_copy", apart)
     found = cold_start.first_calls([*who(1.0, 2.0, name="bad"), *who(1.0)], 1000.0)
     assert list(found.values())[:2] == [(None, "no more")] * 2 and tried == [1.0]
     assert list(found.values())[2][0].run_s == pytest.approx(RUN)
@@ -173,20 +176,19 @@ def children() -> set[str]:
     [
         (lambda _: 1 / 0, "ZeroDivisionError: division by zero"),
         (lambda _: sys.exit("had enough"), "SystemExit: had enough"),
-        (lambda _: os._exit(7), "its first call ended its process, or took more than"),
-        (lambda _: os.kill(os.getpid(), signal.SIGKILL), "its first call ended its process"),
+        (lambda _: os._exit(7), "its process ended, or took more than"),
+        (lambda _: os.kill(os.getpid(), signal.SIGKILL), "its process ended"),
         (lambda _: partial, partial),
     ],
 )
 def test_whatever_happens_in_the_process_split_off_comes_back_as_a_sentence(function, said):
     before = children()
-    found = cold_start._in_child(function, None)
-    assert found is said or found.startswith(said)
+    found = call_in_copy(function, None, 60.0)
+    assert found.value is said or found.reason.startswith(said)
     assert children() <= before
 
 
-def test_a_call_that_does_not_end_is_ended(monkeypatch):
-    monkeypatch.setattr(cold_start, "_LIMIT", 0.3)
+def test_a_call_that_does_not_end_is_ended():
     before, began = children(), time.monotonic()
-    assert "took more than 0.3 s" in cold_start._in_child(lambda _: time.sleep(600.0), None)
+    assert "took more than 0.3 s" in call_in_copy(lambda _: time.sleep(600.0), None, 0.3).reason
     assert children() <= before and time.monotonic() - began < 300.0

@@ -53,22 +53,11 @@ def test_a_report_does_not_differ_from_itself(report, capsys):
     assert "results that changed: none" in capsys.readouterr().out
 
 
-def test_an_older_report_is_read_with_a_note(report, tmp_path, capsys):
+def test_reports_of_two_formats_are_not_compared(report, tmp_path, capsys):
     other = changed(report, tmp_path, "truth", "time", "0.34")
     (other / "manifest.json").write_text("{}")
-    # As version 0.1.0 wrote them: other outcomes, other keys.
-    for name in ("verdict", "time_to_accuracy", "transitions"):
-        (other / "tables" / f"{name}.csv").unlink()
-    pd.DataFrame([WHO | {"accuracy": 1e-4, "award": "reached"}]).to_csv(other / "tables" / "time_to_accuracy.csv")
-    pd.DataFrame([RUN | {"verdict": "matched"}]).to_csv(other / "tables" / "transitions.csv")
-    changed_row = [RUN | {"outcome": "right", "centre_max": 1e-15, "cpu_s": 2e-3, "run_at": "then"}]
-    pd.DataFrame(changed_row).to_csv(other / "tables" / "trajectories.csv", index=False)
-    assert compare_builds.main([str(report), str(other)]) == 0
-    assert "B has the older format 1 (up to version 0.1.0)" in capsys.readouterr().out
-    pd.DataFrame([{"case": CASE, "event": 1, "time": 0.35}]).to_csv(other / "tables" / "truth.csv", index=False)
-    assert compare_builds.main([str(other), str(report)]) == 3
-    out = capsys.readouterr().out
-    assert "A has the older format 1" in out and "truth, disc_on_line[mu=0.1], 1: time 0.35 | 0.34" in out
+    assert compare_builds.main([str(report), str(other)]) == 2
+    assert "has the format 2 and" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from adapters import Setting
 from adapters.processes.worker import CallResult
 from reports import study
 from reports.running.calls import Calls
-from reports.running.tasks import find_truth, perform, survey_of_cases
+from reports.running.tasks import find_truth, measure, survey_of_cases
 from reports.studies import Request, error_parts
 from reports.studies.error_parts import ErrorCell, Grid
 
@@ -128,7 +128,7 @@ def cells_of(case, name: str, route: str, keep) -> list[ErrorCell]:
     adapter = pytest.importorskip(f"adapters.{name}")
     truth = find_truth(case)
     settings = [setting for setting in adapter.grid(case, route) if keep(setting)]
-    return [error_parts.cell_of(perform(case, name, route, s, 1, truth), truth) for s in settings]
+    return [error_parts.cell_of(measure(case, name, route, s, 1, truth), truth) for s in settings]
 
 
 def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():

@@ -39,7 +39,7 @@ from reports.judging.grades import LIMITS, Grade, is_within
 from reports.judging.null_motions import with_friction
 from reports.running.external_motions import judge_motion, of_table
 from reports.running.records import Run, Truth
-from reports.running.tasks import find_truth, judge, perform, survey
+from reports.running.tasks import find_truth, judge, measure, survey
 from reports.running.true_motions import true_motion
 from tests.composition.build import first_scene
 from tests.scenes import hard, lifted_plates, loads, ripples, slip_laws, ties, walled_plates
@@ -151,7 +151,7 @@ def fault_of_engine(case: Case, engine: str, truth: Truth) -> str:
     outcome, reason = offers[0].outcome, offers[0].reason
     if not outcome:
         call = (case, engine, "native", offers[0].settings[0], 1, truth)
-        run = perform(*call)
+        run = measure(*call)
         outcome, reason = run.outcome, run.reason
     is_sentence = reason.endswith(".") and "\n" not in reason
     return "" if outcome == "answered" or (outcome == "unsupported" and is_sentence) else f"{outcome}: {reason}"

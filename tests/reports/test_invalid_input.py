@@ -118,7 +118,7 @@ ROWS = [
     ("sweep bowls --vary mu=0.1,0.2", "give one: bowls.py:bowl"),
     ("cases film bowls", "give one: bowls.py:bowl"),
     ("cases show --case-file no.py x y", "no.py"),
-    ("cases submit nowhere", "there is no folder 'nowhere'; give submissions/ENGINE/VERSION"),
+    ("compare nowhere", "'nowhere' is no folder of motions; give a case and a FILE"),
     ("release publish mine", "mine holds no report"),
     ("release deposit mine", "contains no published report"),
 ]  # fmt: skip

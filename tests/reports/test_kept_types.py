@@ -101,7 +101,7 @@ def came_back(kind: Any, answer: Any) -> bool:
 def test_the_functions_whose_answers_are_kept_are_found():
     """Those of every step and study that has some; a new one is found by its `keep=`."""
     assert {name for _, name in FUNCTIONS} >= {
-        "clock.time_all", "cold_start.first_calls", "time_breakdown.parts_of_all", "find_truth", "perform",
+        "clock.time_all", "cold_start.first_calls", "time_breakdown.parts_of_all", "find_truth", "measure",
         "scene_of",
     }  # fmt: skip
 

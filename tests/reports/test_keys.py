@@ -63,7 +63,7 @@ def written(tmp_path, monkeypatch, **changes) -> cases.Case:
 
 def run_key(case, solver="pymunk", route="native", versions=None, truth=TRUTH, rung=1, **knobs):
     call = (case, solver, route, Setting.of(**(knobs or {"h": 0.1})), rung, truth)
-    return Calls(versions=VERSIONS if versions is None else versions).key(tasks.perform, call, experiment._KEEP_RUN)
+    return Calls(versions=VERSIONS if versions is None else versions).key(tasks.measure, call, experiment._KEEP_RUN)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_arguments_that_differ_have_other_keys(one, other):
 
 def test_what_cannot_be_compared_has_no_key_and_is_not_kept():
     call = (cases.load("disc_on_line"), "pymunk", "native", Setting.of(h=0.1), 1, lambda: None)
-    assert Calls(versions=VERSIONS).key(tasks.perform, call, experiment._KEEP_RUN) is None
+    assert Calls(versions=VERSIONS).key(tasks.measure, call, experiment._KEEP_RUN) is None
     assert run_key(cases.load("disc_on_line"), versions={"pymunk": ""}) is None
     assert fingerprint.of_argument(np.array([print], dtype=object)) is None
 
@@ -173,7 +173,7 @@ def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
         assert before != after and {k for k in before if before[k] != after[k]} == {changed}
     call = (case, "pymunk", "native", Setting.of(h=0.1), 1, TRUTH)
     made = Calls(versions=VERSIONS)
-    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.motion_of))
+    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.measure, tasks.motion_of))
     assert {name for name in one if one[name] != other[name]} == {"function"}
     apart, whole = fingerprint.sources(tasks, experiment.TRUTHS_OWN), fingerprint.sources(tasks)
     assert apart != whole and run_key(case)["code"] == apart

@@ -45,7 +45,7 @@ def test_a_solver_that_lets_go_at_once_is_exact(scene, name):
     if not offers and name != "reference":
         pytest.skip(f"{name} is not installed")
     for offer in offers:
-        run = tasks.perform(case, name, offer.route, offer.settings[0], 1, truth)
+        run = tasks.measure(case, name, offer.route, offer.settings[0], 1, truth)
         assert (run.outcome, run.grade, run.first_mode, run.status) == ("answered", "excellent", "flight", "lift_off")
         assert run.distance.centre_max < 1e-12
 

@@ -283,10 +283,10 @@ def test_an_engine_flies_from_a_corner():
     # pymunk's finest setting but one lost the track: 520 % off.
     pytest.importorskip("pymunk")
     from adapters import pymunk
-    from reports.running.tasks import perform
+    from reports.running.tasks import measure
 
     case = over_the_edge()
     truth, _ = truth_of(case)
     setting = list(pymunk.ladder(case, "native"))[-3]
-    run = perform(case, "pymunk", "native", setting, 1, truth)
+    run = measure(case, "pymunk", "native", setting, 1, truth)
     assert run.score is not None and run.score.off <= 0.02, run.reason

@@ -34,7 +34,6 @@ COMMANDS = {
     "laws": ["adapters.laws", "fake"],
     "sweep": ["reports.sweep", "disc_in_circle", "--vary", "mu=0.01:0.5:2000", "--vary", "xi1=0:1.5:2000"],
     "animate": ["reports.animate", CASE],
-    "submit": ["reports.submit", "none"],
     "compare_builds": ["reports.compare_builds", "one", "other"],
     "truth": ["truth_elsewhere"],
     "console": ["slip-to-roll", "cases"],

@@ -12,7 +12,7 @@ import pytest
 import cases
 import reference
 from cases import CaseError
-from reports import build, submit
+from reports import build, compare
 from reports.running import submissions
 
 pytestmark = pytest.mark.builds
@@ -56,38 +56,38 @@ def creeping(poses):
 
 
 def test_an_exact_motion_is_excellent(hand_in, poses, capsys):
-    assert submit.main([str(hand_in(poses))]) == 0
+    assert compare.main([str(hand_in(poses))]) == 0
     output = capsys.readouterr().out
     assert output.startswith("mine 1.0, by Somebody\n")
     assert re.search(rf"{re.escape(CASE.label)} +answered +excellent ", output)
 
 
 def test_a_wrong_motion_is_a_result(hand_in, poses):
-    _, (run,) = submit.judge_submission(hand_in(wrong(poses)))
+    _, (run,) = submissions.judge_all(hand_in(wrong(poses)))
     assert run.outcome == "answered" and any(row.pairing == "missed" for row in run.ledger)
     assert run.grade == "unusable"
 
 
 def test_creep_counts_as_rolling_declared_or_not(hand_in, poses, tmp_path):
     table = creeping(poses)
-    _, (quiet,) = submit.judge_submission(hand_in(table))
+    _, (quiet,) = submissions.judge_all(hand_in(table))
     assert [row.pairing for row in quiet.ledger] == ["paired"]
     assert quiet.score.creep == pytest.approx(5e-3, rel=1e-3)
     head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
     head.write_text(head.read_text() + "\ncreep = 6e-3\n")
-    _, (declared,) = submit.judge_submission(head.parent)
+    _, (declared,) = submissions.judge_all(head.parent)
     assert [row.pairing for row in declared.ledger] == ["paired"]
 
 
 def test_a_mirrored_motion_is_told(hand_in, poses, capsys):
     folder = hand_in(poses.assign(x=-poses.x, theta=2 * poses.theta.iloc[0] - poses.theta))
-    status = submit.main([str(folder)])
+    status = compare.main([str(folder)])
     output = capsys.readouterr()
     assert "mirror" in (output.out + output.err) and (status == 2 or "unusable" in output.out or "poor" in output.out)
 
 
 def test_millimetres_are_told(hand_in, poses, capsys):
-    assert submit.main([str(hand_in(poses.assign(x=1e3 * poses.x, y=1e3 * poses.y)))]) == 2
+    assert compare.main([str(hand_in(poses.assign(x=1e3 * poses.x, y=1e3 * poses.y)))]) == 2
     assert "metres" in capsys.readouterr().err
 
 
@@ -106,7 +106,7 @@ def test_millimetres_are_told(hand_in, poses, capsys):
     ],
 )
 def test_a_head_out_of_form_is_one_sentence(hand_in, poses, head, said, capsys):
-    assert submit.main([str(hand_in(poses, **head))]) == 2
+    assert compare.main([str(hand_in(poses, **head))]) == 2
     output = capsys.readouterr().err
     assert said in output and output.count("\n") == 1
 
@@ -115,7 +115,7 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
     folder = hand_in(poses)
     (folder / f"{CASE.label}.csv").rename(folder / "disc_in_a_square.csv")
     with pytest.raises(CaseError, match="disc_in_a_square"):
-        submit.judge_submission(folder)
+        submissions.judge_all(folder)
     (folder / "disc_in_a_square.csv").unlink()
     with pytest.raises(CaseError, match=r"has no CASE\.csv"):
         submissions.read(folder)
@@ -157,7 +157,7 @@ def test_a_link_is_not_followed_to_what_is_not_the_strangers(hand_in, poses, tmp
     file.unlink()
     file.symlink_to(secret)
     with pytest.raises(CaseError, match="is a link") as problem:
-        submit.judge_submission(folder)
+        submissions.judge_all(folder)
     assert "first line" not in str(problem.value)
     head = folder / "submission.toml"
     head.unlink()

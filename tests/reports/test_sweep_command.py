@@ -150,7 +150,7 @@ def test_an_engines_rows_have_the_grades_of_a_report():
     for mu, row in zip((0.1, 0.2), rows, strict=True):
         case = cases.load("disc_in_circle", mu=mu)
         setting = adapters.engine("pymunk").ladder(case, "native")[0]
-        run = tasks.perform(case, "pymunk", "native", setting, 1, tasks.find_truth(case))
+        run = tasks.measure(case, "pymunk", "native", setting, 1, tasks.find_truth(case))
         assert (row["outcome"], row["grade"], row["setting"]) == ("answered", run.grade, str(setting))
         # The sweep's truth has a tolerance of 1e-10.
         assert row["off"] == pytest.approx(run.score.off, rel=1e-5)

@@ -61,7 +61,7 @@ def line():
 def performed(monkeypatch, line, read, **more) -> Run:
     case, truth = line
     monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(read, **more))
-    return tasks.perform(case, "fake", "native", Setting.of(h=0.01), 1, truth)
+    return tasks.measure(case, "fake", "native", Setting.of(h=0.01), 1, truth)
 
 
 def test_truth_of_bowling_is_the_textbook_time(line):
@@ -193,7 +193,7 @@ def test_an_engine_that_fails_since_its_folder_is_gone_has_no_row(place, monkeyp
     monkeypatch.setattr(tasks, "solver", lambda name: engine)
     with pytest.raises(OSError, match="scratch|No such file"):
         if place == "run":
-            tasks.perform(case, "fake", "native", Setting.of(h=0.01), 1, truth)
+            tasks.measure(case, "fake", "native", Setting.of(h=0.01), 1, truth)
         else:
             tasks.survey(case, "fake")
 

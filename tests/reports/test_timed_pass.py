@@ -48,7 +48,9 @@ def engines(monkeypatch) -> Watch:
     for module in (clock, cold_start):
         monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(cold_start, "_in_child", lambda function, argument: function(argument))
+    monkeypatch.setattr(
+        cold_start, "call_in_copy", lambda function, argument, _: CallResult("done", function(argument))
+    )
     monkeypatch.setattr(timed_pass, "time", watch)
     return watch
 

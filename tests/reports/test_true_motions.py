@@ -44,7 +44,7 @@ def test_the_reference_s_run_at_the_truth_s_tolerance_is_the_truth_s_motion(in_w
     truth, computed = tasks.find_truth(CASE), in_worker("")
     monkeypatch.setattr(tasks, "run_on_clock", None)  # whoever makes the run again fails
     true_motions.true_motion.cache_clear()  # as in another worker
-    run = tasks.perform(CASE, "reference", truth.method, Setting.of(rtol=TRUTH_RTOL), 6, truth)
+    run = tasks.measure(CASE, "reference", truth.method, Setting.of(rtol=TRUTH_RTOL), 6, truth)
     assert (run.outcome, run.cost, run.distance.centre_max) == ("answered", computed.cost, 0.0)
     assert run.cost.cpu_s > 0.0 and run.cost.setup_s > 0.0 and run.cost.steps > 0
     again = reference.simulate(CASE, rtol=TRUTH_RTOL, method=truth.method)

@@ -325,7 +325,7 @@ WALK = {
             Step("slip-to-roll cases", (r"^disc_in_circle +",)),
             Step('slip-to-roll cases export "disc_in_circle[mu=0.2]"', EXPORTED.prints, EXPORTED.writes),
             Step(
-                "slip-to-roll cases submit submissions/my_engine/2.1.0",
+                "slip-to-roll compare submissions/my_engine/2.1.0",
                 (r"^my_engine 2\.1\.0, by Ada Example", r"disc_in_circle\[mu=0\.2\] +answered +excellent "),
                 before='cp disc_in_circle/motion.csv "submissions/my_engine/2.1.0/disc_in_circle[mu=0.2].csv"',
             ),

@@ -100,7 +100,7 @@ TODAY = {
     "python -m reports.compare": "slip-to-roll compare",
     "python -m reports.animate": "slip-to-roll cases film",
     "python -m reports.study": "slip-to-roll report study",
-    "python -m reports.submit": "slip-to-roll cases submit",
+    "python -m reports.submit": "slip-to-roll compare",
     "python -m reports.sweep": "slip-to-roll sweep",
     "python -m reports.publish": "slip-to-roll release publish",
     "python -m adapters.laws": "slip-to-roll laws",
@@ -118,8 +118,8 @@ ONLY_THERE: dict[str, Step | Left] = {
         "slip-to-roll compare A report --solver exudyn --worse-than 10%",
         "an older name of compare; A stands for a report of the reader's",
     ),
-    "python -m reports.study stability --paper": Step(
-        "python -m reports.study stability --paper", (r"stability/stability\.csv",), ("stability/stability.csv",)
+    "python -m reports.study stability --paper": Left(
+        "slip-to-roll report study stability", "a study has no figures, so it has no option --paper any more"
     ),
     "python -m reports.history": Left(
         "python -m reports.history", "it installs 40 versions; tests/reports/test_history.py runs two"

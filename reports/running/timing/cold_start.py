@@ -8,16 +8,14 @@ part of a simulation.
 from __future__ import annotations
 
 import importlib
-import os
-import pickle
-import select
-import signal
 import statistics
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from adapters.processes.worker import call_in_copy
 
 from ..solvers import solver
 from .clock import LEAST_REPEATS, Contestant, Key, calibrate, is_slow_loop
@@ -63,12 +61,11 @@ def first_calls(contestants: Sequence[Contestant], budget: float) -> dict[Key, t
 
     def call(one: Contestant, failing: tuple) -> _ColdRepeat | None:
         began = time.perf_counter()
-        answer = _in_child(_call, one)
+        answer = call_in_copy(_call, one, _LIMIT)
         seconds[one[1:3]] = time.perf_counter() - began
-        if isinstance(answer, str):
-            failures[failing] = answer
-            return None
-        return answer
+        if answer.outcome != "done":
+            failures[failing] = answer.reason
+        return answer.value
 
     def failure(one: Contestant) -> str:
         return failures.get(one[1:3]) or failures.get(one.key, "")
@@ -110,30 +107,3 @@ def _call(one: Contestant) -> _ColdRepeat:
     # A module without a spec was created at run time, not imported.
     new_modules = (m for m in sorted(set(sys.modules) - before) if getattr(sys.modules[m], "__spec__", None))
     return _ColdRepeat(build, run, read, max(loop, calibrate()), tuple(new_modules))
-
-
-def _in_child(function: Callable[[Any], Any], argument: Any) -> Any:
-    """Call the function in a forked child process; returns its result, or a sentence if it fails there."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
-        try:
-            signal.alarm(int(_LIMIT) + 1)
-            message = pickle.dumps(function(argument))
-        except BaseException as problem:  # the child must end here and report any failure
-            message = pickle.dumps(f"{type(problem).__name__}: {problem}")
-        with os.fdopen(writing, "wb") as pipe:
-            pipe.write(message)
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading, "rb") as pipe:
-        message = pipe.read() if select.select([pipe], [], [], _LIMIT)[0] else b""
-    if not message:
-        os.kill(child, signal.SIGKILL)
-    _, status = os.waitpid(child, 0)
-    return (
-        pickle.loads(message)
-        if message
-        else f"its first call ended its process, or took more than {_LIMIT:g} s ({status})"
-    )

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import resource
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
+
+from adapters.common.supervision import descendants
 
 # Largest number of phases in the line on the terminal; the manifest has all.
 _MOST_PHASES = 5
@@ -73,19 +74,10 @@ def _cpu_seconds() -> float:
 
     A worker is a child of its supervisor, which is this process's child."""
     ended = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + ended.ru_utime + ended.ru_stime + sum(map(_of_process, _descendants("self")))
+    return time.process_time() + ended.ru_utime + ended.ru_stime + sum(map(_of_process, descendants(os.getpid())))
 
 
-def _descendants(process: str) -> Iterator[str]:
-    """The numbers of the running child processes of a process, and of theirs."""
-    for file in Path(f"/proc/{process}/task").glob("*/children"):
-        with suppress(OSError):  # the thread or process has ended
-            for child in file.read_text().split():
-                yield child
-                yield from _descendants(child)
-
-
-def _of_process(number: str) -> float:
+def _of_process(number: int) -> float:
     """CPU seconds of a process and its ended child processes; 0 if it is gone or the system does not report them."""
     try:
         # After the name, which may hold anything: the 14th to 17th fields are user and system time, and the children's.
