@@ -14,7 +14,7 @@ import numpy as np
 
 from . import slip_laws
 from .derivation import derived, in_one_thread
-from .errors import BadValue, finite, not_negative, positive
+from .errors import BadValue, finite, not_negative
 from .formulas import features, formula_symbols
 from .formulas import late_sympy as sp
 from .formulas.effect_formulas import WithFormulas, features_in_time, formula_in, values_of
@@ -74,8 +74,6 @@ class Load(WithFormulas):
     def __post_init__(self):
         for name in ("fx", "fy", "moment"):
             object.__setattr__(self, name, formula_in(formula_symbols.MOTION, f"{name} of Load", getattr(self, name)))
-        if not any(self.expression):
-            raise BadValue("every component of Load is 0; leave Load out for a scene without one")
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -115,8 +113,8 @@ class CoulombFriction(WithFormulas):
     """Dry friction: |T| = mu·N against the slip velocity, |T| ≤ mu_static·N without slip (mu_static=None: mu at rest).
 
     `mu` is a number, or a formula in v, the slip speed (m/s, v ≥ 0): text such as "0.1 + 0.1*exp(-v/0.05) + 0.02*v", or
-    an expression in `cases.slip_laws.SLIP_SPEED`. An impact has one coefficient: that of the slip speed before it.
-    Raises BadValue for anything else, and for a formula that
+    an expression in `cases.slip_laws.SLIP_SPEED`. An impact has one coefficient: that of the slip speed before it. A
+    case with the coefficient 0 is one without friction. Raises BadValue for anything else, and for a formula that
     `cases.slip_laws` rejects.
     """
 
@@ -126,13 +124,13 @@ class CoulombFriction(WithFormulas):
     @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "mu", slip_laws.coefficient("mu of CoulombFriction", self.mu))
-        if self.at_rest == 0.0:
-            raise BadValue("mu of CoulombFriction is 0; leave CoulombFriction out for a scene without friction")
         if self.mu_static is not None:
             object.__setattr__(self, "mu_static", not_negative("mu_static of CoulombFriction", self.mu_static))
             if self.mu_static < self.at_rest:
                 mu = f"mu = {self.at_rest:g}" + (" at v = 0" if self.by_speed else "")
                 raise BadValue(f"mu_static of CoulombFriction is {self.mu_static:g}, below {mu}; give at least mu")
+            if self.at_rest == 0.0 < self.mu_static:
+                raise BadValue("mu of CoulombFriction is 0 and its mu_static is not; give a mu greater than zero")
 
     @property
     def by_speed(self) -> bool:
@@ -181,7 +179,7 @@ class RollingResistance:
     arm: float
 
     def __post_init__(self):
-        object.__setattr__(self, "arm", positive("arm of RollingResistance", self.arm))
+        object.__setattr__(self, "arm", not_negative("arm of RollingResistance", self.arm))
 
 
 @dataclass(frozen=True)
@@ -244,8 +242,18 @@ def one(effects: Iterable[Effect], kind: type[E]) -> E | None:
     return None
 
 
+def that_act(effects: Sequence[Effect]) -> tuple[Effect, ...]:
+    """The effects without those whose values are 0, as at the end of a range of parameters: friction, and a belt where
+    that is its only friction, a belt at rest, rolling resistance, and a load."""
+    nothing = [e for e in effects if isinstance(e, CoulombFriction) and not e.by_speed and e.stick == 0.0]
+    belts = [e for e in effects if isinstance(e, Belt) and (nothing or e.expression.is_zero)]
+    nothing += belts + [e for e in effects if isinstance(e, RollingResistance) and e.arm == 0.0]
+    nothing += [e for e in effects if isinstance(e, Load) and not any(e.expression)]
+    return tuple(e for e in effects if e not in nothing) if nothing else tuple(effects)
+
+
 def check_formula(effects) -> tuple[Effect, ...]:
-    """The effects as a tuple; raises BadValue with one sentence for what is none, or twice."""
+    """The effects that act, as a tuple; raises BadValue with one sentence for what is none, or twice."""
     try:
         effects = tuple(effects)
     except TypeError:
@@ -269,4 +277,4 @@ def check_formula(effects) -> tuple[Effect, ...]:
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")
-    return effects
+    return that_act(effects)

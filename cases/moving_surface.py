@@ -36,8 +36,6 @@ class Belt(WithFormulas):
     @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "speed", formula_in((formula_symbols.TIME,), "speed of Belt", self.speed))
-        if self.expression.is_zero:
-            raise BadValue("speed of Belt is 0; leave Belt out for a track at rest")
 
     @property
     def expression(self) -> sp.Expr:

@@ -49,7 +49,7 @@ def own_effects_of(what: str, effects: Any, possible: tuple[type, ...]) -> tuple
                 f"{effect!r} is no effect of one {what}; give {', '.join(first)} or {last} there, and the other "
                 "effects in the case"
             )
-    return own
+    return all_effects.that_act(own)
 
 
 def with_own(of_case: tuple[Effect, ...], own: Sequence[Effect], *more: type) -> tuple[Effect, ...]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import cases
-from cases import Belt, Drive
+from cases import Belt, CoulombFriction, Drive, Load, RollingResistance, Support, library
 from cases.formulas.expression_graph import in_order
 from cases.moving_frame import relative_case
 from reference.minimal.modes import FLIGHT, candidates, phase_at, start_state
@@ -48,3 +48,13 @@ def test_each_effect_has_operations_of_its_own(effect):
     without = on_line(slip=1.0)
     case = replace(without, effects=(*without.effects, effect))
     assert all(more > less for more, less in zip(operations(case)[:-1], operations(without)[:-1], strict=True))
+
+
+def test_an_effect_of_the_value_0_is_absent():
+    """At the end of a range of parameters; without friction a belt does nothing."""
+    without = on_line(slip=1.0)
+    nothing = Belt(0.0), RollingResistance(0.0), Load(fx=0.0)
+    assert replace(without, effects=(*without.effects, *nothing)) == without
+    smooth = replace(without, effects=tuple(e for e in without.effects if not isinstance(e, CoulombFriction)))
+    assert replace(smooth, effects=(*smooth.effects, CoulombFriction(0.0), Belt(2.0))) == smooth
+    assert Support(library.line(1.0), "wall", (CoulombFriction(0.0),)).effects == ()
