@@ -18,6 +18,9 @@ BEYOND = (ValueError, ArithmeticError)
 NEAR = 0.1
 # A plate that is certainly this many of its sizes off the track needs no search.
 FAR = 1.0
+# A turn (rad) between two poses from which on the outline's last point may lead to another one: from a quarter of a
+# turn on, to that opposite.
+LARGE_TURN = 1.0
 
 
 class Follower:
@@ -31,7 +34,7 @@ class Follower:
         self.case, self.flies = case, case.effect(Flight) is not None
         self._find = finder(case)
         start = start_motion(case)
-        self.near = (start.xi1, start.xi2)
+        self.near, self.theta = (start.xi1, start.xi2), start.theta
         self.size = case.plate.reach
         # The pose and gap of the last search in flight.
         self.last_pose: tuple[float, float, float] = (nan, nan, nan)
@@ -39,6 +42,9 @@ class Follower:
 
     def __call__(self, x: float, y: float, theta: float) -> Contact:
         """The contact of a pose; raises one of BEYOND for a plate that has lost its track and may not fly."""
+        turn, self.theta = theta - self.theta, theta
+        if abs(turn) > LARGE_TURN and self.case.plate.outline.period:
+            self.near = self.near[0], self.near[1] - turn * self.case.plate.outline.period / (2.0 * pi)
         if not self.flies:
             contact = self._find(x, y, theta, self.near)
             self.near = contact[:2]

@@ -10,14 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
 from math import nan
-from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Drive, Flight, Trajectory
-from cases.contact import Contact, slip_velocity
 from cases.motion.mechanics import gravity
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
@@ -26,7 +23,18 @@ from ..interface import EngineFailure
 from . import plates_in_steps
 from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame
 from .facets import sharpest_bend, sway, track_kind
-from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
+from .flights import LIFT_OFF_REASON, flights
+from .one_contact import (
+    MotionEnd,
+    columns_of,
+    domain_ends,
+    first_of,
+    follow,
+    landing,
+    moved_to_end,
+    slip_and_forces,
+    trajectory,
+)
 from .several_contacts import may_touch_twice, with_contacts
 from .step_record import (
     StepRecord,
@@ -70,15 +78,6 @@ class _MotionSamples:
         return replace(self, **{name: getattr(self, name)[places] for name in self.__dataclass_fields__})
 
 
-class _SampleEnd(NamedTuple):
-    """The number of samples of the motion, and why it ended; `time` (s) if the end is before the last sample."""
-
-    length: int
-    status: str = Trajectory.status
-    reason: str = Trajectory.reason
-    time: float = nan
-
-
 def read(record: StepRecord) -> Trajectory:
     """The motion at the poses' times, cut where the plate leaves its track. Raises EngineFailure if it is no motion.
 
@@ -113,20 +112,11 @@ def _read(record: StepRecord) -> Trajectory:
     if case.effect(Flight):
         for leaves, lands in stretches:
             samples.aloft[leaves:lands] = True
-    ending = _ending(record, samples, stretches, hop)
-    samples = _both_sides(samples[: ending.length])
+    end = _ending(record, samples, stretches, hop)
+    samples = _both_sides(samples[: end.samples if end else len(samples.t)])
     table = _table(record, samples)
     creep = _creep(record, samples[~samples.aloft], table[~samples.aloft, 8])
-    if np.isfinite(ending.time):
-        table = _with_end(table, ending.time)
-    t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = table.T
-    motion = Trajectory(
-        *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
-        status=ending.status,
-        reason=ending.reason,
-        cost=Cost(steps=len(record.rows)),
-        slip_resolution=creep,
-    )
+    motion = trajectory(moved_to_end(table, end), end, cost=Cost(steps=len(record.rows)), slip_resolution=creep)
     return with_contacts(case, motion, partial(_clear, record)) if _may_touch_twice(record) else motion
 
 
@@ -155,9 +145,7 @@ def _samples(record: StepRecord) -> _MotionSamples:
     late, ahead = spans(record)
     inertia, external, force = inertia_of(case), external_of(record), torsor_of(record)[:, :2]
     rates = rates_at_poses(before, after, case.plate.reach, record.rest)
-    contacts = (record.contacts or _follow(case, pose))[: len(rows)]
-    # As one flat sequence: NumPy takes nine times as long to convert named tuples.
-    xi1, xi2, gap = np.fromiter(chain.from_iterable(contacts), dtype=float).reshape(-1, 3).T
+    xi1, xi2, gap = columns_of((record.contacts or follow(case, pose)[0])[: len(rows)])
     if not len(gap):
         raise EngineFailure("The plate has no contact point with its track where it begins.")
     length = slice(len(gap))
@@ -176,17 +164,6 @@ def _pushing(record: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.nda
     """
     speed, strength = float(np.abs(rates[:, :2]).max()), np.hypot(*force.T)
     return strength > 1e-9 * strength.max() + 10 * record.rounding * record.case.plate.mass * speed / record.h
-
-
-def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
-    """The contacts of the poses, up to the first pose without one, unless the plate may fly."""
-    follower, contacts = Follower(case), list[Contact]()
-    for x, y, theta in poses.tolist():
-        try:
-            contacts.append(follower(x, y, theta))
-        except BEYOND:
-            break
-    return contacts
 
 
 def _both_sides(samples: _MotionSamples) -> _MotionSamples:
@@ -211,58 +188,38 @@ def _both_sides(samples: _MotionSamples) -> _MotionSamples:
 
 def _table(record: StepRecord, samples: _MotionSamples) -> np.ndarray:
     """The columns of a Trajectory, shape (n, 12); in flight there are neither contact parameters, slip nor forces."""
-    case, up, xi1 = record.case, samples.aloft, samples.xi1
-    nx, ny = case.track.normal(xi1)
-    (x, y, _), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force
-    # Moving the centre by the engine's distance between plate and contact gives the engine's lever.
-    lever = (1.0 - record.lever) * samples.gap
-    slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1, samples.t)
-    normal_force = force[:, 0] * nx + force[:, 1] * ny
-    friction_force = np.sum(force.T * case.track.tangent(xi1), axis=0)
-    touch = np.column_stack([slip, normal_force, friction_force, xi1, samples.xi2])
-    touch[up] = nan, 0.0, 0.0, nan, nan
-    return np.column_stack([samples.t, samples.pose, samples.rates, touch])
+    own = samples
+    at = slip_and_forces(record.case, own.t, own.pose, own.rates, own.force, own.xi1, own.gap, record.lever)
+    touch = np.column_stack([*at, own.xi1, own.xi2])
+    touch[own.aloft] = nan, 0.0, 0.0, nan, nan
+    return np.column_stack([own.t, own.pose, own.rates, touch])
 
 
 # --- how a motion ends ------------------------------------------------------------------------------------------------
 
 
-def _with_end(table: np.ndarray, time: float) -> np.ndarray:
-    """The table with its last row moved to that time, s; the forces are zero where contact ends or begins."""
-    before, last = table[-2], table[-1]
-    share = (time - before[0]) / (last[0] - before[0])
-    last = before + share * (last - before)
-    last[8:10] = 0.0
-    return np.vstack([table[:-1], last])
-
-
-def _ending(record: StepRecord, samples: _MotionSamples, stretches: list[tuple[int, int]], hop: float) -> _SampleEnd:
-    """The first event that ends the motion, or the end of its duration."""
-    case, there, whole_run, gap = record.case, len(samples.t), record.steps + 1, samples.gap
-    endings = [_SampleEnd(whole_run)]
+def _ending(
+    record: StepRecord, samples: _MotionSamples, stretches: list[tuple[int, int]], hop: float
+) -> MotionEnd | None:
+    """The first event that ends the motion, or None."""
+    case, there, gap = record.case, len(samples.t), samples.gap
+    xi1, xi2 = (np.where(samples.aloft, nan, xi) for xi in (samples.xi1, samples.xi2))
+    ends = [*domain_ends(case, xi1, xi2), landing(case, samples.t, gap, stretches, late=1)]
     through = gap < -case.plate.inner
     if through.any():
-        endings.append(_SampleEnd(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
-    for name, curve, xi in (("track", case.track, samples.xi1), ("outline", case.plate.outline, samples.xi2)):
-        if curve.domain and not curve.period:
-            # After the last contact, extrapolate the next one linearly.
-            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < there < whole_run else xi
-            up = np.append(samples.aloft, np.zeros(len(xi) - there, dtype=bool))
-            outside = ~up & ((xi < curve.domain[0]) | (xi > curve.domain[1]))
-            if outside.any():
-                reason = f"The contact reached the end of the {name}'s domain."
-                endings.append(_SampleEnd(int(np.argmax(outside)), f"{name}_end", reason))
-    if there < whole_run:
-        endings.append(_SampleEnd(there, "lost_track", "No point of the track is near the plate any more."))
+        ends.append(MotionEnd(int(np.argmax(through)), 0.0, "fell_through", "The plate passed through its track."))
     if not case.effect(Flight) and (gap > hop).any():
-        endings.append(_lift_off(record, samples, int(np.argmax(gap > hop))))
-    landings = [landing for _, landing in stretches if landing < there]
-    if landings and lands_for_good(case):
-        endings.append(_landing(record, gap, landings[0]))
-    return min(endings, key=lambda ending: ending.length)
+        ends.append(_lift_off(samples, int(np.argmax(gap > hop))))
+    if there < record.steps + 1 and 1 < there:
+        # After the last contact, extrapolate the next one linearly.
+        ends += domain_ends(case, *(np.append(xi, 2 * xi[-1] - xi[-2]) for xi in (xi1, xi2)))
+    if there < record.steps + 1:
+        ends.append(MotionEnd(there, 0.0, "lost_track", "No point of the track is near the plate any more."))
+    end = first_of(ends)
+    return end._replace(share=0.0) if end and end.sample == there else end
 
 
-def _lift_off(record: StepRecord, samples: _MotionSamples, surely: int) -> _SampleEnd:
+def _lift_off(samples: _MotionSamples, surely: int) -> MotionEnd:
     """The lift-off where the force vanishes: after the last sample with a push, before that `surely` off the track.
 
     The weaker a contact, the more steps are between two pushes; the mean force over a hop is the push over its steps.
@@ -271,26 +228,16 @@ def _lift_off(record: StepRecord, samples: _MotionSamples, surely: int) -> _Samp
     track.)
     """
     last = np.flatnonzero(samples.pushing[: surely + 1])[-7:]
-    ending = _SampleEnd(int(last[-1]) + 1 if last.size else 1, "lift_off", LIFT_OFF_REASON)
+    end = MotionEnd(int(last[-1]) + 1 if last.size else 1, 0.0, "lift_off", LIFT_OFF_REASON)
     if len(last) < 3 or last[-1] == surely:
-        return ending
+        return end
     hops, strength = np.diff(last), np.hypot(*samples.force[last[:-1]].T)
     slope, level = np.polyfit(0.5 * (last[:-1] + last[1:] - 1), strength / hops, 1)
     if slope >= 0.0:
-        return ending
+        return end
     vanishes = float(np.clip(-level / slope, last[-1], min(surely, last[-1] + hops[-1])))
-    return ending._replace(length=max(int(np.ceil(vanishes)) + 1, 2), time=vanishes * record.h)
-
-
-def _landing(record: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
-    """The landing: the gap's zero by the samples before and after it, the last in flight and the first with a push.
-
-    A contact that the adapter sets acts at the beginning of the step in which the plate would land; the plate lands at
-    its end.
-    """
-    before, after = gap[landing - 1 : landing + 1]
-    share = min(before / (before - after), 2.0) if before > after else 1.0
-    return _SampleEnd(landing + 1, "landing", LANDING_REASON, (landing - 1 + share) * record.h)
+    sample = max(int(np.ceil(vanishes)), 1)
+    return end._replace(sample=sample, share=vanishes - (sample - 1))
 
 
 def _hop(record: StepRecord, samples: _MotionSamples) -> float:

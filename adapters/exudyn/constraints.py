@@ -10,16 +10,15 @@ from __future__ import annotations
 
 import exudyn as exu
 import exudyn.itemInterface as item
-import numpy as np
 
 from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
-from cases.contact import follow, slip_velocity, start_motion
+from cases.contact import start_motion
 from cases.curves.line_or_circle import as_circle, as_line
 
-from ..common.flights import BEYOND
+from ..common.one_contact import ContactSamples, with_forces
 from ..interface import Refusal, Setting
 from .bodies import add_load, add_plate, ground, marker, node_sensors
-from .system import ExudynContact, ExudynSystem, HasEffects, SensorData, disc_circle, external_forces
+from .system import ExudynSystem, HasEffects, SensorData, disc_circle, external_forces
 
 
 def suits(acting: HasEffects) -> bool:
@@ -79,18 +78,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     return ExudynSystem(container, system, (motion,), (acceleration,), lambda data: _read(case, data))
 
 
-def _read(case: Case, data: SensorData) -> ExudynContact:
+def _read(case: Case, data: SensorData) -> ContactSamples:
     """The contact; its forces are mass times acceleration minus gravity and load."""
-    pose, velocity = data.pose, data.velocity
-    try:
-        xi1, xi2, gap = follow(case, *pose.T)
-    except BEYOND as problem:
-        nothing = np.empty(0)
-        return ExudynContact(nothing, nothing, nothing, nothing, nothing, nothing, str(problem))
-    tangent, normal = case.track.tangent(xi1), case.track.normal(xi1)
-    (x, y, _), (vx, vy, omega) = pose.T, velocity.T
-    force = (case.plate.mass * data.force[:, :2] - external_forces(case, data)).T
-    normal_force, friction_force = np.sum(force * normal, axis=0), np.sum(force * tangent, axis=0)
-    return ExudynContact(
-        xi1, xi2, gap, slip_velocity(case, x, y, vx, vy, omega, xi1, data.t), normal_force, friction_force
-    )
+    force = case.plate.mass * data.force[:, :2] - external_forces(case, data)
+    return with_forces(case, data.t, data.pose, data.velocity, force, lever=1.0)

@@ -15,18 +15,17 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Belt, Case, Curve, Impact, Load
-from cases.contact import belt_speed, start_motion
+from cases.contact import start_motion
 from cases.curves.corner import Corner
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.mechanics import gravity
 from cases.scene.free_plates import plates_of
 
 from ..common import facets
-from ..common.flights import BEYOND, Follower
 from ..interface import Refusal, Setting
 from . import constraints, older_versions
 from .bodies import marker, surface
-from .system import ExudynContact, HasEffects, SensorData, critical_damping, friction_coefficient, scales
+from .system import HasEffects, critical_damping, friction_coefficient, scales
 
 # An impact slower than this (m/s) is damped as if it had this speed, so that lasting contact comes to rest.
 SLOWEST_IMPACT = 1e-2
@@ -176,23 +175,3 @@ def _law(contact: SphereContact, setting: Setting, system, mass: float) -> dict:
         contactStiffness=setting["k"],
         **law,
     )
-
-
-def read_contact(case: Case, data: SensorData, sphere: Sphere, share: float) -> ExudynContact:
-    """Gap, slip and forces of a sphere on the case's track; friction acts at this share of the overlap, from the
-    sphere: with the nominal radius the slip would be biased."""
-    arm, omega = sphere.centre(data.pose), data.velocity[:, 2]
-    normal, distance = distance_from(case.track, data.pose[:, :2] + arm)
-    gap, tangent = distance - sphere.radius, np.column_stack([normal[:, 1], -normal[:, 0]])
-    velocity = data.velocity[:, :2] + np.column_stack([-omega * arm[:, 1], omega * arm[:, 0]])
-    slip = np.sum(velocity * tangent, axis=1) + omega * (sphere.radius + share * gap) - belt_speed(case, data.t)
-    normal_force, friction_force = (np.sum(data.force[:, :2] * along, axis=1) for along in (normal, tangent))
-    follower, parameters, failure = Follower(case), [], None
-    try:
-        for row in data.pose.tolist():
-            parameters.append(follower(*row)[:2])
-    except BEYOND as problem:
-        failure = str(problem)
-    xi1, xi2 = np.array(parameters, dtype=float).reshape(-1, 2).T
-    n = len(parameters)
-    return ExudynContact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], failure)

@@ -22,6 +22,7 @@ from cases.scene.free_plates import gap_of, plate_contacts, plates_of
 
 from ..common import feature_contacts
 from ..common.facets import round_plate
+from ..common.one_contact import with_forces
 from ..common.starts import starts_of
 from ..interface import Refusal, Setting
 from . import constraints, older_versions, rolls
@@ -32,7 +33,6 @@ from .contacts import (
     add_contact,
     corner_radius,
     distance_from,
-    read_contact,
     refuses_belt,
     refuses_curve,
     sphere_of,
@@ -117,7 +117,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     system.Assemble()
     if has_several(case):
         return whole
-    return replace(whole, contact=lambda data: read_contact(case, data, contacts[0].sphere, share))
+    return replace(whole, contact=lambda data: with_forces(case, data.t, data.pose, data.velocity, data.force, share))
 
 
 def _contacts(case: Case, setting: Setting) -> list[SphereContact]:

@@ -21,10 +21,10 @@ from cases.derivation import in_one_thread
 from cases.scene.contact_limits import touches_by_features
 from cases.slip_laws import SLIP_SPEED
 
+from ..common.one_contact import with_forces
 from ..interface import Refusal, Setting
 from . import older_versions
 from .bodies import force_sensor, ground, hold_angle, node_sensors
-from .contacts import Sphere, read_contact
 from .system import ExudynSystem, SensorData, critical_damping, static_start
 
 
@@ -121,11 +121,12 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
             coefficientsHull=[-1.0 / plate.radius, 0.0, plate.radius],
         )
     )
-    force, motion, roll = force_sensor(system, number), node_sensors(system, node), Sphere(0.0, 0.0, plate.radius)
+    force, motion = force_sensor(system, number), node_sensors(system, node)
     system.Assemble()
     # The engine's friction acts at the lowest point of the roll.
     return ExudynSystem(
-        container, system, (motion,), (force,), lambda data: read_contact(case, data, roll, 0.0),
+        container, system, (motion,), (force,),
+        lambda data: with_forces(case, data.t, data.pose, data.velocity, data.force, lever=0.0),
         lambda data: _in_plane(data, line),
     )  # fmt: skip
 

@@ -17,23 +17,8 @@ from cases.motion.mechanics import gravity as gravity_of
 from cases.scene.free_plates import plates_of
 
 from ..common.facets import round_plate
+from ..common.one_contact import ContactSamples
 from ..interface import EngineFailure, Setting
-
-
-@dataclass(frozen=True)
-class ExudynContact:
-    """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
-
-    Shorter than the run if the plate lost its track, for the reason `failure`.
-    """
-
-    xi1: np.ndarray
-    xi2: np.ndarray
-    gap: np.ndarray
-    slip: np.ndarray
-    normal_force: np.ndarray
-    friction_force: np.ndarray
-    failure: str | None = None
 
 
 class HasEffects(Protocol):
@@ -70,7 +55,7 @@ class ExudynSystem:
     system: Any
     motions: tuple[tuple[int, int], ...]
     forces: tuple[int, ...] = ()
-    contact: Callable[[SensorData], ExudynContact] | None = None
+    contact: Callable[[SensorData], ContactSamples] | None = None
     in_plane: Callable[[SensorData], SensorData] = planar_data
 
     def tables(self, sensors: Sequence[int]) -> list[np.ndarray]:
