@@ -116,7 +116,7 @@ def _read(record: StepRecord) -> Trajectory:
     samples = _both_sides(samples[: end.samples if end else len(samples.t)])
     table = _table(record, samples)
     creep = _creep(record, samples[~samples.aloft], table[~samples.aloft, 8])
-    motion = trajectory(moved_to_end(table, end), end, cost=Cost(steps=len(record.rows)), slip_resolution=creep)
+    motion = trajectory(moved_to_end(table, end), end, creep, Cost(steps=len(record.rows)))
     return with_contacts(case, motion, partial(_clear, record)) if _may_touch_twice(record) else motion
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, Trajectory
+from cases import Case, Cost, State, Trajectory
 from cases.contact import Contact, slip_velocity
 
 from .flights import BEYOND, LANDING_REASON, Follower, lands_for_good
@@ -147,7 +147,8 @@ def moved_to_end(rows: np.ndarray, end: MotionEnd | None) -> np.ndarray:
     return np.vstack([rows[:-1], last])
 
 
-def trajectory(rows: np.ndarray, end: MotionEnd | None, slip_resolution: float, cost: Cost | None = None) -> Trajectory:
+def trajectory(rows: np.ndarray, end: MotionEnd | None, slip_resolution: float, cost: Cost) -> Trajectory:
     """The motion of rows (n, 12) in the order of a trajectory's columns, with its end."""
-    motion = Trajectory(*rows.T, slip_resolution=slip_resolution, cost=cost or Trajectory.cost)
+    columns: dict[str, Any] = dict(zip(("t", *State._fields), rows.T, strict=True))
+    motion = Trajectory(**columns, slip_resolution=slip_resolution, cost=cost)
     return motion if end is None else replace(motion, status=end.status, reason=end.reason)

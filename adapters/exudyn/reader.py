@@ -69,7 +69,7 @@ def _with_one_contact(model: ExudynModel) -> Trajectory:
     if case.effect(Flight):
         rows = _without_contact(model, rows, stretches)
     rows = moved_to_end(rows[: end.samples if end else count], end)
-    return trajectory(rows, end, slip_resolution=_creep(case, setting, rows[:, 9]))
+    return trajectory(rows, end, _creep(case, setting, rows[:, 9]), model.cost)
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
