@@ -13,8 +13,8 @@ so that t·a − α (r·n) = −ω (n·v).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -53,10 +53,10 @@ class ContactSamples(NamedTuple):
 class Mechanics:
     """The parameters of the equations of motion; each is a number, so that one can be varied alone."""
 
-    gx: float
-    gy: float
+    g: float
+    direction: float  # of gravity, rad
     mu: float
-    mu_static: float
+    mu_static: float | None  # None: that of slip
     mass: float
     inertia: float
     arm: float
@@ -73,16 +73,21 @@ class Mechanics:
         gx, gy = gravity(case)
         friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
         return cls(
-            gx=float(gx),
-            gy=float(gy),
+            g=float(np.hypot(gx, gy)),
+            direction=float(np.arctan2(gy, gx)),
             mu=friction.mu if friction else 0.0,
-            mu_static=friction.stick if friction else 0.0,
+            mu_static=friction.mu_static if friction else None,
             mass=case.plate.mass,
             inertia=case.plate.inertia,
             arm=resistance.arm if resistance else 0.0,
             rough=case.effect(PerfectlyRough) is not None,
             unilateral=case.effect(Unilateral) is not None,
         )
+
+    @property
+    def stick(self) -> float:
+        """The coefficient of stick."""
+        return self.mu if self.mu_static is None else self.mu_static
 
 
 class Accelerations(NamedTuple):
@@ -129,7 +134,8 @@ def kinematics(run: LawRun) -> ContactSamples:
 def accelerations(model: Mechanics, k: ContactSamples, threshold: float) -> Accelerations:
     """The accelerations that the equations of motion give; slip below the threshold (m/s) is treated as stick."""
     mass, inertia = model.mass, model.inertia
-    free = np.array([model.gx + model.fx * k.load[0] / mass, model.gy + model.fy * k.load[1] / mass])
+    gx, gy = model.g * np.cos(model.direction), model.g * np.sin(model.direction)
+    free = np.array([gx + model.fx * k.load[0] / mass, gy + model.fy * k.load[1] / mass])
     free_spin = model.moment * k.load[2] / inertia
     along, across = np.sum(k.lever * k.tangent, axis=0), np.sum(k.lever * k.normal, axis=0)
     # From the condition itself: an error of n·v, such as half a step of gravity, would be multiplied by the spin.
@@ -153,7 +159,7 @@ def accelerations(model: Mechanics, k: ContactSamples, threshold: float) -> Acce
     stick_friction = (a11 * tangent_rest - a21 * normal_rest) / det
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = np.abs(stick_friction / stick_normal)
-    sticks = (np.abs(k.slip) <= threshold) & ((needed <= model.mu_static) | model.rough) | model.rough
+    sticks = (np.abs(k.slip) <= threshold) & ((needed <= model.stick) | model.rough) | model.rough
     direction = np.where(np.abs(k.slip) <= threshold, np.sign(-stick_friction), np.sign(k.slip))
     ratio = -direction * model.mu
     normal = normal_rest / (a11 + a12 * ratio)
@@ -227,13 +233,13 @@ def _breakaway(run: LawRun, k: ContactSamples, model: Mechanics, threshold: floa
         leaves = np.abs(k.slip[i + 1 : i + 1 + LASTING_STICK])
         if len(steady) <= LASTING_STICK or not steady.all() or not (leaves > threshold).all():
             continue
-        short = model.mu_static - needed[i]
-        which = "mu_static" if model.mu_static != model.mu else "mu"
+        short = model.stick - needed[i]
+        which = "mu" if model.mu_static is None else "mu_static"
         yield (
             f"friction over the normal force at the breakaway at {k.t[i]:.4g} s",
             max(float(short), 0.0),
-            run.tilt + 1e-3 * model.mu_static,
-            f"{which} of CoulombFriction: slip begins at {needed[i]:.4g}, the case has {model.mu_static:.4g}",
+            run.tilt + 1e-3 * model.stick,
+            f"{which} of CoulombFriction: slip begins at {needed[i]:.4g}, the case has {model.stick:.4g}",
         )
 
 
@@ -247,105 +253,48 @@ def suspicion(model: Mechanics, k: ContactSamples, threshold: float, scale: np.n
         return float(np.sqrt(np.mean((residuals(candidate, k, threshold) / scale) ** 2)))
 
     before, fits = size(model), []
-    for name in _parameters(model, k):
-        fitted, value, true = _fit(name, model, k, threshold, scale)
-        fits.append((size(fitted), name, value, true))
+    for name, (_, acts) in PARAMETERS.items():
+        if acts(model, k):
+            value = _fit(name, model, k, threshold, scale)
+            fits.append((size(replace(model, **{name: value})), name, value))
     fits.sort()
     # What explains the motion leaves no more than the tolerance, or a small part of a large error.
     if not fits or fits[0][0] > max(1.0, 0.05 * before):
         return "no single parameter explains it; check the geometry of track and plate, and what the columns contain"
     best = [fit for fit in fits if fit[0] <= 1.5 * fits[0][0] + 0.05]
     return " or ".join(
-        f"{_NAMES[name]}: {value:.4g} would fit, the case has {true:.4g}" for _, name, value, true in best
+        f"{PARAMETERS[name][0]}: {value:.4g} would fit, the case has {getattr(model, name):.4g}"
+        for _, name, value in best
     )
 
 
-_NAMES = {
-    "g": "g of Gravity",
-    "direction": "direction of Gravity",
-    "mu": "mu of CoulombFriction",
-    "mu_static": "mu_static of CoulombFriction",
-    "mass": "mass of the plate",
-    "inertia": "inertia of the plate",
-    "arm": "arm of RollingResistance",
-    "fx": "fx of Load (as a share)",
-    "fy": "fy of Load (as a share)",
-    "moment": "moment of Load (as a share)",
-    "curvature": "curvature of the track (as a share)",
+# The parameters by their names in `Mechanics`: in words, and whether a motion depends on them.
+PARAMETERS: dict[str, tuple[str, Callable[[Mechanics, ContactSamples], object]]] = {
+    "g": ("g of Gravity", lambda model, k: model.g),
+    "direction": ("direction of Gravity", lambda model, k: model.g),
+    "mu": ("mu of CoulombFriction", lambda model, k: model.mu),
+    "mu_static": ("mu_static of CoulombFriction", lambda model, k: model.mu_static not in (None, model.mu)),
+    "inertia": ("inertia of the plate", lambda model, k: k.touching.any() or k.load[2].any()),
+    "mass": ("mass of the plate", lambda model, k: k.load[:2].any()),
+    "arm": ("arm of RollingResistance", lambda model, k: model.arm),
+    "fx": ("fx of Load (as a share)", lambda model, k: k.load[0].any()),
+    "fy": ("fy of Load (as a share)", lambda model, k: k.load[1].any()),
+    "moment": ("moment of Load (as a share)", lambda model, k: k.load[2].any()),
+    "curvature": ("curvature of the track (as a share)", lambda model, k: k.touching.any() and k.bend.any()),
 }
-
-
-def _parameters(model: Mechanics, k: ContactSamples) -> Iterator[str]:
-    """The parameters that the motion depends on."""
-    if model.gx or model.gy:
-        yield from ("g", "direction")
-    if model.mu:
-        yield "mu"
-    if model.mu_static != model.mu:
-        yield "mu_static"
-    if k.touching.any() or k.load[2].any():
-        yield "inertia"
-    if k.load[:2].any():
-        yield "mass"
-    if model.arm:
-        yield "arm"
-    for name, row in zip(("fx", "fy", "moment"), k.load, strict=True):
-        if row.any():
-            yield name
-    if k.touching.any() and np.abs(k.bend).max() > 0.0:
-        yield "curvature"
-
-
-def _value(model: Mechanics, name: str) -> float:
-    if name == "g":
-        return float(np.hypot(model.gx, model.gy))
-    if name == "direction":
-        return float(np.arctan2(model.gy, model.gx))
-    return float(getattr(model, name))
-
-
-def _with(model: Mechanics, name: str, value: float) -> Mechanics:
-    """The model with another value of a parameter."""
-    if name in ("g", "direction"):
-        g, direction = (value if each == name else _value(model, each) for each in ("g", "direction"))
-        return replace(model, gx=g * float(np.cos(direction)), gy=g * float(np.sin(direction)))
-    if name == "mu" and model.mu == model.mu_static:
-        return replace(model, mu=value, mu_static=value)
-    assert name in {field.name for field in fields(model)}
-    return replace(model, **{name: value})  # type: ignore[arg-type]
-
-
-def _fit(name: str, model: Mechanics, k: ContactSamples, threshold: float, scale) -> tuple[Mechanics, float, float]:
-    """The model with the value of one parameter that fits best, and both values.
-
-    Gauss and Newton's method; a step that does not reduce the error is halved.
-    """
-
-    def off(value: float) -> np.ndarray:
-        return residuals(_with(model, name, value), k, threshold) / scale
-
-    true = value = _value(model, name)
-    smallest = -np.inf if name in _OF_ANY_SIGN else 0.02 * abs(true)
-    here = off(value)
-    for _ in range(MOST_FITS):
-        change = 1e-3 * max(abs(value), 0.1 * abs(true))
-        slope = (off(value + change) - here) / change
-        steepness = float(np.sum(slope**2))
-        step = -float(np.sum(slope * here)) / steepness if steepness else 0.0
-        for _ in range(MOST_FITS):
-            other = max(value + step, smallest)
-            there = off(other)
-            if np.sum(there**2) < np.sum(here**2):
-                break
-            step *= 0.5
-        else:
-            break
-        value, here, gained = other, there, abs(other - value)
-        if gained <= 1e-4 * abs(true):
-            break
-    return _with(model, name, value), value, true
-
-
-# Steps of a fit, and halvings of a step: parameters that are off by a factor of ten take six.
-MOST_FITS = 12
 _OF_ANY_SIGN = ("direction", "fx", "fy", "moment", "curvature")
+# Evaluations of a fit: parameters that are off by a factor of ten take six steps.
+MOST_FITS = 24
+
+
+def _fit(name: str, model: Mechanics, k: ContactSamples, threshold: float, scale: np.ndarray) -> float:
+    """The value of one parameter that fits best."""
+    from scipy.optimize import least_squares  # slow to import
+
+    def off(value: np.ndarray) -> np.ndarray:
+        return (residuals(replace(model, **{name: float(value[0])}), k, threshold) / scale).ravel()  # type: ignore[arg-type]
+
+    true = getattr(model, name)
+    least = -np.inf if name in _OF_ANY_SIGN else 0.02 * true
+    # Differences over a change that is larger than the kinks between stick and slip.
+    return float(least_squares(off, true, bounds=(least, np.inf), diff_step=1e-3, max_nfev=MOST_FITS).x[0])
