@@ -21,7 +21,7 @@ from cases import BadValue, Case, CaseError, Chain, Cost, Drive, NotSupported, T
 from ..common import feature_contacts, motion_file, motion_table, supervision
 from ..common.facets import is_convex
 from ..interface import EngineFailure, Setting
-from .scene_file import SAMPLES, as_json, scene
+from .scene_file import FACETS, SAMPLES, as_json, scene
 
 # With fewer, transitions lie between samples that are too far apart to extrapolate from.
 FEWEST_STEPS = 60
@@ -110,9 +110,9 @@ class Engine:
         return STEPS[0]
 
     def build(self, case: Case, route: str, setting: Setting) -> ProcessModel:
-        """The scene and the setting as text; a setting may have the number of points of each curve."""
-        samples = int(setting.get("points", SAMPLES))
-        return ProcessModel(case, as_json({**scene(case, samples), "setting": dict(setting)}) + "\n")
+        """The scene and the setting as text; a setting may have the number of points of each curve and of facets."""
+        samples, facets = int(setting.get("points", SAMPLES)), int(setting.get("facets", FACETS))
+        return ProcessModel(case, as_json({**scene(case, samples, facets), "setting": dict(setting)}) + "\n")
 
     def run(self, model: ProcessModel) -> None:
         """One process; raises NotSupported if it refuses, EngineFailure if it fails, or writes or takes too much."""

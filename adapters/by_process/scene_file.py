@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from math import isfinite
+from math import atan2, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,11 @@ import sympy as sp
 from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported, Plate
 from cases.contact import start_motion
 from cases.contact.polygon_features import circles
-from cases.curves.line_or_circle import as_line
+from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.free_plates import POSE, names_of, plates_of, start_poses
+from cases.scene.supports import TRACK
 
-from ..common.facets import ends, visible_span
+from ..common.facets import ends, is_round_hill, visible_chain, visible_span
 from ..common.several_contacts import may_touch_twice
 from . import engine_geometry
 
@@ -35,13 +36,16 @@ SUPPORTS, FREE_PLATES, POLYGONS = "Supports", "FreePlates", "Polygons"
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
+# Facets of a curved track without a number in the setting.
+FACETS = 800
 UNITS = "SI, radians; the plate lies on the left of the track; components along its tangent and left normal"
 
 
-def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
+def scene(case: Case, samples: int = SAMPLES, facets: int = FACETS) -> dict[str, Any]:
     """All data that is needed to build the case, in SI units; null for values that a start in flight does not have.
 
-    `samples`: number of points of each curve. Raises NotSupported for supports that are not straight."""
+    `samples`: number of points of each curve; `facets`: number of facets of a curved track. Raises
+    NotSupported for supports that are not straight."""
     return finite(
         {
             "schema": SCHEMA,
@@ -57,6 +61,7 @@ def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
             "several_contacts": may_touch_twice(case),
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
             "points": {name: points(rows) for name, rows in curve_samples(case, samples).items()},
+            "solids": solids(case, facets),
             "mjcf": engine_geometry.mjcf(case),
             "sdf": engine_geometry.sdf(case),
         }
@@ -84,6 +89,24 @@ def _supports(case: Case, samples: int) -> dict[str, Any]:
         flat = np.column_stack([s, *x_y, np.full(samples, nx), np.full(samples, ny), np.zeros(samples)])
         curves[support.name] = {"points": points(flat), "effects": _effects(support.acting(case.effects))}
     return {SUPPORTS: curves}
+
+
+def solids(case: Case, facets: int) -> list[dict[str, Any]]:
+    """The track and the further supports as bodies that engines with few shapes have: what lies to the right of a
+    "line" without ends, a "disc" that is touched from outside, or a "chain" of facets (m, rad)."""
+    every = list[dict[str, Any]]()
+    for name, curve in ((TRACK, case.track), *((support.name, support.curve) for support in case.supports)):
+        line, circle = as_line(curve), as_circle(curve)
+        if line:
+            (x, y), angle = line.point, atan2(line.direction[1], line.direction[0])
+            every.append(dict(kind="line", name=name, x=x, y=y, angle=angle, radius=0.0))
+        elif circle and is_round_hill(curve):
+            x, y = circle.centre
+            every.append(dict(kind="disc", name=name, x=x, y=y, angle=0.0, radius=circle.radius))
+        else:
+            x, y = visible_chain(case, facets).tolist()
+            every.append(dict(kind="chain", name=name, x=x, y=y, closed=bool(curve.period)))
+    return every
 
 
 def _plate(plate: Plate) -> dict[str, Any]:

@@ -204,6 +204,14 @@ def visible_span(case: Case) -> tuple[float, float]:
     return max(part.low, xi1 - far), min(part.high, xi1 + far)
 
 
+def visible_chain(case: Case, count: int) -> np.ndarray:
+    """Corners, shape (2, n), of `count` facets of the track that an exported scene contains, even in its parameter."""
+    if isinstance(case.track, Chain):
+        return chain_vertices(case.track, count)
+    s, step = np.linspace(*visible_span(case), count + 1, retstep=True)
+    return _outside(case.track, s, step * case.track.speed(s), 0.0)
+
+
 def sharpest_bend(case: Case) -> float:
     """The largest curvature (1/m) of the part of the track that an exported scene contains, without its corners."""
     bends = np.abs(case.track.curvature(np.linspace(*visible_span(case), 721)))
@@ -256,8 +264,12 @@ def _facets(curve: Curve, low: float, high: float, count: int, behind: float) ->
     They lie outside a bend by κ L²/12, the mean of the sagitta, so that the facets' mean distance is right.
     """
     s, length = _even(curve, low, high, count)
-    outside = curve.curvature(s) * (length / count) ** 2 / 12
-    return curve.point(s) - (behind + outside) * curve.normal(s)
+    return _outside(curve, s, length / count, behind)
+
+
+def _outside(curve: Curve, s: np.ndarray, length: float | np.ndarray, behind: float) -> np.ndarray:
+    """Corners at these parameters of facets of that length (m), to the right of the curve."""
+    return curve.point(s) - (behind + curve.curvature(s) * length**2 / 12) * curve.normal(s)
 
 
 def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray, float]:

@@ -38,7 +38,7 @@ if (track.kind === "line") {
   const body = new cannon.Body({ type: cannon.Body.STATIC, shape: new cannon.Plane(), position: new cannon.Vec3(x[0], y[0], 0) });
   body.quaternion.setFromVectors(new cannon.Vec3(0, 0, 1), new cannon.Vec3(nx[0], ny[0], 0));
   world.addBody(body);
-} else if (track.kind === "hill") {
+} else if (track.kind === "disc") {
   fix(new cannon.Sphere(track.radius), track.x, track.y, 0);
 } else {
   for (const { x, y, angle, half } of common.boxes(points.track, scene.setting.facets ?? FACETS, plate.radius)) {

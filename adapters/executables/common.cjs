@@ -67,16 +67,9 @@ function gravity({ effects: { Gravity } }) {
   return Gravity ? { x: Gravity.g * Math.cos(Gravity.direction), y: Gravity.g * Math.sin(Gravity.direction) } : { x: 0, y: 0 };
 }
 
-/** "line"; "hill", a whole circle met from outside, with its centre and radius; or "chain", from the track's samples. */
-function shape({ points: { track }, closed }) {
-  const least = Math.min(...track.curvature), most = Math.max(...track.curvature);
-  if (least === 0 && most === 0) return { kind: "line" };
-  if (closed.track && most < 0 && most - least < 1e-9 * -least) {
-    const radius = -1 / least;
-    const x = track.x[0] - radius * track.normal_x[0], y = track.y[0] - radius * track.normal_y[0];
-    return { kind: "hill", radius, x, y };
-  }
-  return { kind: "chain" };
+/** The track as a solid of the scene: "line"; "disc", met from outside, with its centre and radius; or "chain". */
+function shape({ solids: [track] }) {
+  return track;
 }
 
 /** A straight track's two ends, each a hundred times its length farther out than its samples. */

@@ -21,8 +21,8 @@ except ImportError:
     plane.exit_not_available("dartpy")
 plane.print_version("dartpy")
 
-# Chords of a curved track; a friction coefficient that no force exceeds.
-CHORDS, ROUGH = 800, 1e3
+# A friction coefficient that no force exceeds.
+ROUGH = 1e3
 # Its constraint force mixing, DART_CFM of ContactConstraint.cpp: the share of slip velocity that friction leaves.
 MIXING = 1e-5
 
@@ -72,7 +72,7 @@ ground = dart.dynamics.Skeleton("track")
 fixed = ground.createWeldJointAndBodyNodePair()[1]
 ground.setMobile(False)
 thick = 0.5 * radius
-for solid in plane.solids(scene, scene["setting"].get("facets", CHORDS)):
+for solid in plane.solids(scene):
     if solid.kind == "line":
         # Wider than the plate can get in its time, by gravity or on its way.
         way = scene["duration"] * (abs(start["vx"]) + abs(start["vy"]) + radius * abs(start["omega"]))

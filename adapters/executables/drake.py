@@ -35,8 +35,8 @@ except ImportError:
     plane.exit_not_available("drake")
 plane.print_version("drake")
 
-# Chords of a curved track; a friction coefficient that no force exceeds.
-CHORDS, ROUGH = 800, 1e3
+# A friction coefficient that no force exceeds.
+ROUGH = 1e3
 # The only plate's coefficient, and the mass of a driven track in those of the plate.
 LARGE, HEAVY = 1e16, 1e9
 # How fast (m/s) a plate may creep while it sticks; the engine's default is 1e-4. TAMSI's friction grows with the slip's
@@ -68,7 +68,7 @@ effects, (count, h) = scene["effects"], plane.steps(scene)
 drive, mu = plane.drive_steps(scene, h), plane.coefficient(effects, ROUGH)
 # With one plate a number so large that its inverse is rounding; that of several acts between them too.
 OF_PLATES = LARGE if len(plates) == 1 else mu
-fixed = plane.solids(scene, scene["setting"].get("facets", CHORDS))
+fixed = plane.solids(scene)
 if any(0.0 < plane.coefficient(solid.effects, ROUGH) >= 2 * OF_PLATES for solid in fixed):
     plane.refuse(
         "Drake combines the coefficients a and b of two bodies as 2 a b / (a + b), so a support has less than twice "

@@ -54,7 +54,7 @@ async function main() {
     const { x, y, normal_x: nx, normal_y: ny } = points.track;
     const plane = new Jolt.Plane(new Jolt.Vec3(nx[0], ny[0], 0), -(nx[0] * x[0] + ny[0] * y[0]));
     add(new Jolt.PlaneShapeSettings(plane, null, 1000).Create().Get(), 0, 0);
-  } else if (track.kind === "hill") {
+  } else if (track.kind === "disc") {
     add(new Jolt.SphereShape(track.radius), track.x, track.y);
   } else {
     add(mesh(Jolt, common.corners(points.track, setting.facets ?? FACETS)), 0, 0);

@@ -34,7 +34,7 @@ const rectangle = (x, y, length, angle) =>
 if (track.kind === "line") {
   const { x, y, normal_x: nx, normal_y: ny } = points.track;
   rectangle(x[0] - plate.radius * nx[0], y[0] - plate.radius * ny[0], 200, Math.atan2(-nx[0], ny[0]));
-} else if (track.kind === "hill") {
+} else if (track.kind === "disc") {
   const sides = scene.setting.facets ?? FACETS;
   add(Matter.Bodies.polygon(PIXELS * track.x, PIXELS * track.y, sides, PIXELS * track.radius, fixed));
 } else {

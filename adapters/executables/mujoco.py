@@ -34,8 +34,8 @@ except ImportError:
     plane.exit_not_available("mujoco")
 plane.print_version("mujoco")
 
-# Chords of a curved track; a friction coefficient that no force exceeds.
-CHORDS, ROUGH = 800, 1e3
+# A friction coefficient that no force exceeds.
+ROUGH = 1e3
 # The mass of a driven track in those of the plate.
 HEAVY = 1e9
 # Half the side (m) of the box that is a driven line.
@@ -112,7 +112,7 @@ def run_surface(geoms: list[ElementTree.Element], of_effects, unit: np.ndarray) 
 
 
 surfaces_of: dict[int, tuple[list[ElementTree.Element], plane.Solid]] = {}
-for solid in plane.solids(scene, scene["setting"].get("facets", CHORDS)):
+for solid in plane.solids(scene):
     surfaces_of.setdefault(id(solid.effects), ([], solid))[0].append(add_solid(solid))
 for geoms, solid in surfaces_of.values():
     run_surface(geoms, solid.effects, np.array([0, 0, 0, 0, 0, -1 / solid.size]) if solid.kind == "disc" else FLAT)

@@ -32,8 +32,8 @@ try:
 except ImportError:
     plane.exit_not_available("newton")
 
-# Chords of a curved track without a setting; a friction coefficient that no force exceeds.
-CHORDS, ROUGH = 800, 1e3
+# A friction coefficient that no force exceeds.
+ROUGH = 1e3
 # Relative precision of the engine's numbers. XPBD's velocities follow from the distance of two places, each with two
 # coordinates: four roundings.
 SINGLE, OF_PLACES = 2.0**-23, 4 * 2.0**-24
@@ -109,11 +109,11 @@ class NewtonStepper:
             # Critical damping; VBD counts a damper's force in the normal force, but not in the cone of friction.
             material.kd = 0.0 if kind == "vbd" else 2.0 * (material.ke * mass) ** 0.5
             material.kf = VISCOSITY * mass / self.h
-            if plane.shape(scene).kind == "chain":
+            if scene["solids"][0]["kind"] == "chain":
                 # Contacts begin 10 cm ahead by default, with planes across the way to boxes that the plate only
                 # approaches: it would be braked.
                 material.gap = setting.get("gap", 0.0)
-        for solid in plane.solids(scene, setting.get("facets", CHORDS)):
+        for solid in plane.solids(scene):
             if solid.kind == "line":
                 across = -sin(solid.angle), cos(solid.angle)
                 offset = -(across[0] * solid.x + across[1] * solid.y)
@@ -153,19 +153,16 @@ class NewtonStepper:
 
 def compile_kernels() -> None:
     """Take a step on each kind of track, which compiles what a run needs."""
-    line = {"x": [-1.0, 1.0], "y": [0.0, 0.0], "normal_x": [0.0, 0.0], "normal_y": [1.0, 1.0], "curvature": [0.0, 0.0]}
-    angles = np.linspace(0.0, 2 * np.pi, 100)
-    x, y = np.cos(angles), np.sin(angles)
-    hill = {"x": -x, "y": y, "normal_x": -x, "normal_y": y, "curvature": np.full(100, -1.0)}
-    bowl = {"x": x, "y": y, "normal_x": -x, "normal_y": -y, "curvature": np.full(100, 1.0), "s": angles}
+    flat = dict(name="track", x=0.0, y=0.0, angle=0.0, radius=1.0)
+    angles = np.linspace(0.0, 2 * np.pi, 65)
+    bowl = dict(name="track", kind="chain", x=np.cos(angles).tolist(), y=np.sin(angles).tolist())
     start = dict(x=0.0, y=0.1, theta=0.0, vx=0.0, vy=0.0, omega=0.0)
     plate, gravity = dict(radius=0.1, mass=1.0, inertia=0.005), dict(g=9.81, direction=-pi / 2)
-    for track in (line, hill, bowl):
+    for solid in (flat | dict(kind="line"), flat | dict(kind="disc"), bowl):
         for solver in SOLVERS:
             scene = {
                 "duration": 1.0, "plate": plate, "start": start, "effects": {"Gravity": gravity},
-                "points": {"track": track}, "closed": {"track": track is not line},
-                "setting": {"h": 1e-3, "solver": solver, "facets": 64},
+                "solids": [solid], "setting": {"h": 1e-3, "solver": solver},
             }  # fmt: skip
             print(f"solver {solver}", file=sys.stderr)
             with redirect_stdout(sys.stderr):

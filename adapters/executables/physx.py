@@ -27,8 +27,8 @@ if "--version" in sys.argv:
     print("physx", physx.version(), "sapien", sapien.__version__)
     sys.exit(0)
 
-# Facets of a curved track without a setting; half its width (m); a friction coefficient that no force exceeds.
-FACETS, WIDTH, ROUGH = 8000, 1.0, 1e6
+# Half the width of a curved track (m); a friction coefficient that no force exceeds.
+WIDTH, ROUGH = 1.0, 1e6
 # Relative, of the engine's numbers.
 SINGLE = 2.0**-23
 
@@ -57,7 +57,7 @@ material = physx.PhysxMaterial(mu, mu, 0.0)
 
 def mesh() -> physx.PhysxCollisionShapeTriangleMesh:
     """The track as a strip of triangles, with their front towards the plate."""
-    corners = plane.corners(scene, setting.get("facets", FACETS))
+    corners = plane.corners(scene["solids"][0])
     vertices = np.array([(x, y, z) for x, y in corners for z in (-WIDTH, WIDTH)], dtype=np.float32)
     first = 2 * np.arange(len(corners) - 1, dtype=np.uint32)[:, None]
     triangles = np.vstack([first + np.array(each, dtype=np.uint32) for each in ((0, 1, 3), (0, 3, 2))])
@@ -73,18 +73,12 @@ def add(component, shape, x: float, y: float, angle: float = 0.0) -> None:
     world.add_entity(entity)
 
 
-track, ground = plane.shape(scene), physx.PhysxRigidStaticComponent()
-if track.kind == "line":
+track, ground = scene["solids"][0], physx.PhysxRigidStaticComponent()
+if track["kind"] == "line":
     # The engine's plane faces its own x axis.
-    add(
-        physx.PhysxRigidStaticComponent(),
-        physx.PhysxCollisionShapePlane(material),
-        track.x,
-        track.y,
-        track.angle + pi / 2,
-    )
-elif track.kind == "hill":
-    add(ground, physx.PhysxCollisionShapeSphere(track.radius, material), track.x, track.y)
+    add(ground, physx.PhysxCollisionShapePlane(material), track["x"], track["y"], track["angle"] + pi / 2)
+elif track["kind"] == "disc":
+    add(ground, physx.PhysxCollisionShapeSphere(track["radius"], material), track["x"], track["y"])
 else:
     add(ground, mesh(), 0.0, 0.0)
 body = physx.PhysxRigidDynamicComponent()

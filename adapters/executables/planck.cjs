@@ -15,7 +15,7 @@ const { plate, effects, start, points, closed } = scene, running = common.belt("
 const tuned = scene.setting.rung !== "defaults", track = common.shape(scene);
 // A step along the tangent of a hill takes a disc off it by (v h)²/2R, and what does not overlap is in flight: so the
 // two overlap at first, by 1 m/s times the step, and the engine is told to leave that alone.
-const overlap = tuned && track.kind === "hill" && plate.radius !== null ? scene.setting.h : 0;
+const overlap = tuned && track.kind === "disc" && plate.radius !== null ? scene.setting.h : 0;
 // As it comes, edges have a skin of 1 cm and overlaps of 5 mm are left alone: a twentieth of a plate of 0.1 m.
 if (tuned) planck.Settings.linearSlop = overlap || 1e-5;
 
@@ -26,7 +26,7 @@ const material = { friction: effects.PerfectlyRough ? ROUGH : effects.CoulombFri
 const ground = world.createBody();
 if (track.kind === "line") {
   ground.createFixture(new planck.Edge(...common.ends(scene)), material);
-} else if (track.kind === "hill") {
+} else if (track.kind === "disc") {
   ground.createFixture(new planck.Circle({ x: track.x, y: track.y }, track.radius + overlap), material);
 } else {
   const corners = common.corners(points.track, plate.radius === null ? FEWER : scene.setting.facets ?? FACETS);

@@ -33,7 +33,7 @@ async function main() {
   let shape;
   if (track.kind === "line") {
     shape = rapier.ColliderDesc.polyline(flat(common.ends(scene)));
-  } else if (track.kind === "hill") {
+  } else if (track.kind === "disc") {
     shape = rapier.ColliderDesc.ball(track.radius).setTranslation(track.x, track.y);
   } else {
     shape = rapier.ColliderDesc.polyline(flat(common.corners(points.track, scene.setting.facets ?? FACETS)));

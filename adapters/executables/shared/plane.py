@@ -149,34 +149,10 @@ def gravity(scene) -> tuple[float, float, float]:
     return pull["g"] * cos(pull["direction"]), pull["g"] * sin(pull["direction"]), 0.0
 
 
-class Shape(NamedTuple):
-    """The shape of a track: "line" with a point and the angle of its direction; "hill", a whole circle touched from
-    outside, with centre and radius (m); or "chain"."""
-
-    kind: str
-    x: float = 0.0
-    y: float = 0.0
-    angle: float = 0.0
-    radius: float = 0.0
-
-
-def shape(scene) -> Shape:
-    """The shape of the track, for an engine with few shapes."""
-    track = scene["points"]["track"]
-    bend = np.array(track["curvature"])
-    x, y, nx, ny = (track[name][0] for name in ("x", "y", "normal_x", "normal_y"))
-    if not bend.any():
-        return Shape("line", x, y, angle=atan2(-nx, ny))
-    if scene["closed"]["track"] and bend.max() < 0.0 and np.ptp(bend) < 1e-9 * -bend.min():
-        radius = -1.0 / float(bend.min())
-        return Shape("hill", x - radius * nx, y - radius * ny, radius=radius)
-    return Shape("chain")
-
-
 class Solid(NamedTuple):
-    """A fixed body: "line", what lies to the right of a straight line without ends; "disc"; or "box", to the right of a
-    chord of the track. A point of the line, the centre, or the middle of the face that the plate touches (m), the angle
-    of the direction, the radius or half the length (m), and the effects on it."""
+    """A fixed body: "line", what lies to the right of a straight line without ends; "disc", touched from outside; or
+    "box", to the right of a chord of the track. A point of the line, the centre, or the middle of the face that the
+    plate touches (m), the angle of the direction, the radius or half the length (m), and the effects on it."""
 
     kind: str
     name: str
@@ -191,62 +167,24 @@ class Solid(NamedTuple):
         return self.x + thick * sin(self.angle), self.y - thick * cos(self.angle)
 
 
-def solids(scene, count: int) -> list[Solid]:
-    """The track, as about `count` boxes if it is neither straight nor a disc, and the further supports, straight lines
-    on whose left the plate lies."""
-    track, effects = shape(scene), scene["effects"]
-    if track.kind == "line":
-        every = [Solid("line", "track", track.x, track.y, track.angle, 0.0, effects)]
-    elif track.kind == "hill":
-        every = [Solid("disc", "track", track.x, track.y, 0.0, track.radius, effects)]
-    else:
-        every = _chords(scene, count)
-    for name, support in effects.get("Supports", {}).items():
-        points = support["points"]
-        middle, angle = len(points["x"]) // 2, atan2(-points["normal_x"][0], points["normal_y"][0])
-        every.append(Solid("line", name, points["x"][middle], points["y"][middle], angle, 0.0, support["effects"]))
+def solids(scene) -> list[Solid]:
+    """The track, as one box for each facet if it is neither straight nor a disc, and the further supports."""
+    effects, every = scene["effects"], list[Solid]()
+    for one in scene["solids"]:
+        name, acting = one["name"], effects.get("Supports", {}).get(one["name"], scene)["effects"]
+        if one["kind"] == "chain":
+            places = corners(one)
+            for number, ((ax, ay), (bx, by)) in enumerate(zip(places[:-1], places[1:], strict=True)):
+                middle, size = (float(ax + bx) / 2, float(ay + by) / 2), 0.5 * hypot(bx - ax, by - ay)
+                every.append(Solid("box", f"chord {number}", *middle, atan2(by - ay, bx - ax), size, acting))
+        else:
+            every.append(Solid(one["kind"], name, one["x"], one["y"], one["angle"], one["radius"], acting))
     return every
 
 
-def _chords(scene, count: int) -> list[Solid]:
-    """About `count` chords, moved outwards by a third of their sagitta, so that their mean distance is the curve's."""
-    s, track, places = _places(scene, count)
-    bend, boxes = np.interp(0.5 * (s[1:] + s[:-1]), track["s"], track["curvature"]), []
-    for number, ((ax, ay), (bx, by), curvature) in enumerate(zip(places[:-1], places[1:], bend, strict=True)):
-        length, angle = hypot(bx - ax, by - ay), atan2(by - ay, bx - ax)
-        off = curvature * length**2 / 12
-        x, y = 0.5 * (ax + bx) + off * sin(angle), 0.5 * (ay + by) - off * cos(angle)
-        boxes.append(Solid("box", f"chord {number}", float(x), float(y), angle, 0.5 * length, scene["effects"]))
-    return boxes
-
-
-def _places(scene, count: int) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """Parameters of `count` equal parts of the track, the track's columns, and its points there, (count + 1, 2)."""
-    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
-    s = np.linspace(track["s"][0], track["s"][-1], count + 1)
-    return s, track, np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
-
-
-def corners(scene, count: int) -> np.ndarray:
-    """About `count` chords' ends, of shape (count + 1, 2), moved outwards by a third of the sagitta, so that the mean
-    distance of the chain is the curve's."""
-    s, track, places = _places(scene, count)
-    normals = np.column_stack([np.interp(s, track["s"], track[name]) for name in ("normal_x", "normal_y")])
-    normals /= np.hypot(*normals.T)[:, None]
-    length = float(np.hypot(*np.diff(places, axis=0).T).mean())
-    return places - (np.interp(s, track["s"], track["curvature"]) * length**2 / 12)[:, None] * normals
-
-
-def _between(track, s: np.ndarray, name: str) -> np.ndarray:
-    """A coordinate between the samples, by the cubic with the curve's tangents at both."""
-    i = np.clip(np.searchsorted(track["s"], s) - 1, 0, len(track["s"]) - 2)
-    along = {"x": track["normal_y"], "y": -track["normal_x"]}[name]
-    chord = np.hypot(np.diff(track["x"]), np.diff(track["y"]))[i]
-    length = chord * (1 + (track["curvature"][i] * chord) ** 2 / 24)
-    u = (s - track["s"][i]) / (track["s"][i + 1] - track["s"][i])
-    w, p = 1 - u, track[name]
-    ends = p[i] * w**2 * (1 + 2 * u) + p[i + 1] * u**2 * (3 - 2 * u)
-    return ends + length * u * w * (along[i] * w - along[i + 1] * u)
+def corners(chain) -> np.ndarray:
+    """The ends of the facets of a track, shape (n, 2), m."""
+    return np.column_stack([chain["x"], chain["y"]])
 
 
 def steps(scene) -> tuple[int, float]:
