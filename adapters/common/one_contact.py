@@ -21,7 +21,7 @@ from .flights import BEYOND, LANDING_REASON, Follower, lands_for_good
 FORCES, TOUCH = slice(8, 10), slice(7, 12)
 
 
-class ContactSamples(NamedTuple):
+class ContactAlong(NamedTuple):
     """The contact at the samples: parameters, gap (m), slip (m/s), and forces on the plate (N). Shorter than the motion
     if the plate lost its track, for the reason `failure`."""
 
@@ -53,7 +53,7 @@ def columns_of(contacts: list[Contact]) -> np.ndarray:
 
 def with_forces(
     case: Case, t: np.ndarray, pose: np.ndarray, rates: np.ndarray, force: np.ndarray, lever: float
-) -> ContactSamples:
+) -> ContactAlong:
     """The contact of the poses and velocities (n, 3), and the parts of a force (n, 2) there.
 
     `lever`: the fraction of the gap between the plate and the point where the engine's friction acts; with the nominal
@@ -63,7 +63,7 @@ def with_forces(
     xi1, xi2, gap = columns_of(contacts)
     some = slice(len(gap))
     at = slip_and_forces(case, t[some], pose[some], rates[some], force[some], xi1, gap, lever)
-    return ContactSamples(xi1, xi2, gap, *at, failure)
+    return ContactAlong(xi1, xi2, gap, *at, failure)
 
 
 def slip_and_forces(

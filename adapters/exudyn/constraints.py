@@ -15,7 +15,7 @@ from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, 
 from cases.contact import start_motion
 from cases.curves.line_or_circle import as_circle, as_line
 
-from ..common.one_contact import ContactSamples, with_forces
+from ..common.one_contact import ContactAlong, with_forces
 from ..interface import Refusal, Setting
 from .bodies import add_load, add_plate, ground, marker, node_sensors
 from .system import ExudynSystem, HasEffects, SensorData, disc_circle, external_forces
@@ -78,7 +78,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     return ExudynSystem(container, system, (motion,), (acceleration,), lambda data: _read(case, data))
 
 
-def _read(case: Case, data: SensorData) -> ContactSamples:
+def _read(case: Case, data: SensorData) -> ContactAlong:
     """The contact; its forces are mass times acceleration minus gravity and load."""
     force = case.plate.mass * data.force[:, :2] - external_forces(case, data)
     return with_forces(case, data.t, data.pose, data.velocity, force, lever=1.0)

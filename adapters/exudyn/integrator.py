@@ -19,7 +19,7 @@ from cases import Belt, Case, CoulombFriction, Load, PerfectlyRough, Unilateral
 from cases.motion.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
-from ..common.one_contact import ContactSamples
+from ..common.one_contact import ContactAlong
 from ..interface import Setting
 from .bodies import node_sensors
 from .system import (
@@ -181,7 +181,7 @@ class PenaltyContact:
 
         return slip
 
-    def follow(self, data: SensorData) -> ContactSamples:
+    def follow(self, data: SensorData) -> ContactAlong:
         """The contact along a run that begins at the case's start, up to the pose where it is lost."""
         self.follower, self._last = Follower(self.case), None
         rows, failure = [], None
@@ -193,7 +193,7 @@ class PenaltyContact:
         except BEYOND as problem:
             failure = str(problem)
         xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
-        return ContactSamples(xi1, xi2, gap, slip, normal_force, friction_force, failure)
+        return ContactAlong(xi1, xi2, gap, slip, normal_force, friction_force, failure)
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:

@@ -15,7 +15,7 @@ from ..common.flights import LIFT_OFF_REASON, flights
 from ..common.one_contact import (
     FORCES,
     TOUCH,
-    ContactSamples,
+    ContactAlong,
     MotionEnd,
     domain_ends,
     first_of,
@@ -80,14 +80,14 @@ def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
     return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
 
 
-def _flown(case: Case, setting: Setting, contact: ContactSamples) -> list[tuple[int, int]]:
+def _flown(case: Case, setting: Setting, contact: ContactAlong) -> list[tuple[int, int]]:
     """The ranges of samples in flight; none for a contact that may pull."""
     if case.effect(Unilateral) is None or "k" not in setting:
         return []
     return flights(contact.gap, contact.normal_force > 0.0, clear_gap(case, setting))
 
 
-def _lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ContactSamples) -> MotionEnd | None:
+def _lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ContactAlong) -> MotionEnd | None:
     """The lift-off, where the contact force of a leaving plate ends; None if it stays, or if the track also pulls."""
     if case.effect(Unilateral) is None:
         return None
@@ -122,7 +122,7 @@ def _without_contact(model: ExudynModel, rows: np.ndarray, stretches: list[tuple
     return rows
 
 
-def _pulling(contact: ContactSamples) -> MotionEnd | None:
+def _pulling(contact: ContactAlong) -> MotionEnd | None:
     """The end of a unilateral motion, where a constraint would begin to pull."""
     pulling = np.flatnonzero(contact.normal_force < 0.0)
     if not pulling.size:

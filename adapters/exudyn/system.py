@@ -17,7 +17,7 @@ from cases.motion.mechanics import gravity as gravity_of
 from cases.scene.free_plates import plates_of
 
 from ..common.facets import round_plate
-from ..common.one_contact import ContactSamples
+from ..common.one_contact import ContactAlong
 from ..interface import EngineFailure, Setting
 
 
@@ -55,7 +55,7 @@ class ExudynSystem:
     system: Any
     motions: tuple[tuple[int, int], ...]
     forces: tuple[int, ...] = ()
-    contact: Callable[[SensorData], ContactSamples] | None = None
+    contact: Callable[[SensorData], ContactAlong] | None = None
     in_plane: Callable[[SensorData], SensorData] = planar_data
 
     def tables(self, sensors: Sequence[int]) -> list[np.ndarray]:

@@ -256,7 +256,7 @@ def suspicion(model: Mechanics, k: ContactSamples, threshold: float, scale: np.n
     for name, (_, acts) in PARAMETERS.items():
         if acts(model, k):
             value = _fit(name, model, k, threshold, scale)
-            fits.append((size(replace(model, **{name: value})), name, value))
+            fits.append((size(_with(model, name, value)), name, value))
     fits.sort()
     # What explains the motion leaves no more than the tolerance, or a small part of a large error.
     if not fits or fits[0][0] > max(1.0, 0.05 * before):
@@ -287,12 +287,16 @@ _OF_ANY_SIGN = ("direction", "fx", "fy", "moment", "curvature")
 MOST_FITS = 24
 
 
+def _with(model: Mechanics, name: str, value: float) -> Mechanics:
+    return replace(model, **{name: value})  # type: ignore[arg-type]
+
+
 def _fit(name: str, model: Mechanics, k: ContactSamples, threshold: float, scale: np.ndarray) -> float:
     """The value of one parameter that fits best."""
     from scipy.optimize import least_squares  # slow to import
 
     def off(value: np.ndarray) -> np.ndarray:
-        return (residuals(replace(model, **{name: float(value[0])}), k, threshold) / scale).ravel()  # type: ignore[arg-type]
+        return (residuals(_with(model, name, float(value[0])), k, threshold) / scale).ravel()
 
     true = getattr(model, name)
     least = -np.inf if name in _OF_ANY_SIGN else 0.02 * true
