@@ -245,11 +245,17 @@ def one(effects: Iterable[Effect], kind: type[E]) -> E | None:
 def that_act(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     """The effects without those whose values are 0, as at the end of a range of parameters: friction, and a belt where
     that is its only friction, a belt at rest, rolling resistance, and a load."""
-    nothing = [e for e in effects if isinstance(e, CoulombFriction) and not e.by_speed and e.stick == 0.0]
-    belts = [e for e in effects if isinstance(e, Belt) and (nothing or e.expression.is_zero)]
-    nothing += belts + [e for e in effects if isinstance(e, RollingResistance) and e.arm == 0.0]
-    nothing += [e for e in effects if isinstance(e, Load) and not any(e.expression)]
-    return tuple(e for e in effects if e not in nothing) if nothing else tuple(effects)
+    is_smooth = any(isinstance(e, CoulombFriction) and e.stick == 0.0 for e in effects)
+    return tuple(
+        e
+        for e in effects
+        if not (
+            (isinstance(e, CoulombFriction) and is_smooth)
+            or (isinstance(e, Belt) and (is_smooth or e.expression.is_zero))
+            or (isinstance(e, RollingResistance) and e.arm == 0.0)
+            or (isinstance(e, Load) and not any(e.expression))
+        )
+    )
 
 
 def check_formula(effects) -> tuple[Effect, ...]:

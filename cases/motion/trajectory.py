@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, fields, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ..scene.contact_names import CONTACT, FIRST
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
     from ..pictures.animation import Animation
     from ..pictures.plots import Picture
@@ -401,19 +402,26 @@ class Trajectory:
             self.to_frame(count).to_csv(partial, index=False)
         return file
 
-    def plot(self, *quantities: str, colour: str | None = None) -> Picture:
-        """A picture of the scene, if the case is known, and of quantities against time.
+    @overload
+    def plot(self, *quantities: str, colour: str | None = None, ax: None = None) -> Picture: ...
+    @overload
+    def plot(self, *quantities: str, colour: str | None = None, ax: Axes) -> Axes: ...
+
+    def plot(self, *quantities: str, colour: str | None = None, ax: Axes | None = None) -> Picture | Axes:
+        """A Picture of the scene, if the case is known, and of quantities against time; with `ax`, an Axes of
+        Matplotlib, one quantity (by default the slip velocity) is drawn there, and `ax` is returned.
 
         They are columns of State, by default slip velocity, normal force, x and y. The picture shows itself in a
         notebook; its `savefig` writes SVG, PDF or PNG.
 
-        Raises UnknownName for an unknown quantity.
+        Raises UnknownName for an unknown quantity, BadValue for several with `ax`.
         """
         from ..pictures.plots import PLATE, plot
 
         # A picture of the scene has one place of the track.
         scene = self.case.scene if self.case and not self._is_driven else None
-        return plot(self, scene, quantities or ("slip", "normal_force", "x", "y"), PLATE if colour is None else colour)
+        usual = ("slip", "normal_force", "x", "y") if ax is None else ("slip",)
+        return plot(self, scene, quantities or usual, PLATE if colour is None else colour, ax)
 
     def animate(self, factor: float | None = None, quantity: str = "slip") -> Animation:
         """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.

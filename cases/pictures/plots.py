@@ -81,8 +81,11 @@ def first_contact(motion: Any) -> Any:
     return motion.of(motion.contact_names[0]) if len(motion.contact_names) > 1 else motion
 
 
-def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
-    """Plot the scene (unless None) next to the quantities against time, with lines at the transitions.
+def plot(
+    motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colour: str = PLATE, axes: Any = None
+) -> Any:
+    """Plot the scene (unless None) next to the quantities against time, with lines at the transitions; returns a
+    Picture, or `axes`, an Axes of Matplotlib that is given for one quantity.
 
     Raises UnknownName for a quantity that a motion does not have.
     """
@@ -95,22 +98,32 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
     state, first = motion(times), first_contact(motion)
     of_contact, at = (state, "") if first is motion else (first(times), f"\nat {first.contact_names[0]}")
     labels = LABELS | (parameter_labels(scene) if scene else {})
+
+    def panel(ax: Any, name: str, width: float) -> None:
+        is_of_contact = name in _OF_CONTACT
+        values = np.asarray(getattr(of_contact if is_of_contact else state, name))
+        ax.plot(times, values, color=colour)
+        _keep_level(ax, values)
+        ax.set_ylabel(f"{labels[name]}{at if is_of_contact else ''}")
+        ax.margins(x=0)
+        mark_transitions(ax, first.transitions, first.first_mode, times[[0, -1]], width)
+
+    if axes is not None:
+        if len(names) != 1:
+            raise BadValue(f"plot was given one ax and {len(names)} quantities; give one, or no ax")
+        panel(axes, names[0], _PANEL)
+        axes.set_xlabel("time / s")
+        return axes
     with apply_style():
         figure = Picture(figsize=(9.2 if scene else 5.0, max(1.5 * len(names), 3.4)), layout="constrained")
         right: Any = figure
         if scene is not None:
             left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.15), squeeze=False)[0]
             _scene(left.subplots(), scene, motion, times, state)
-        axes = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
-        for i, (ax, name) in enumerate(zip(axes, names, strict=False)):
-            is_of_contact = name in _OF_CONTACT
-            values = np.asarray(getattr(of_contact if is_of_contact else state, name))
-            ax.plot(times, values, color=colour)
-            _keep_level(ax, values)
-            ax.set_ylabel(f"{labels[name]}{at if is_of_contact else ''}")
-            ax.margins(x=0)
-            mark_transitions(ax, first.transitions, first.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
-        axes[-1].set_xlabel("time / s")
+        panels = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
+        for i, (ax, name) in enumerate(zip(panels, names, strict=False)):
+            panel(ax, name, _PANEL if i == 0 else 0.0)
+        panels[-1].set_xlabel("time / s")
         right.align_ylabels()
     return figure
 

@@ -57,7 +57,10 @@ def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effec
         own = StartPose(x, y, pose.theta - place.angle, *velocities)
     contact = min(contacts(track, outline, own.x, own.y, own.theta), key=lambda contact: contact.gap, default=None)
     if contact is None:
-        raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
+        raise DoesNotFit(
+            "no point of the track is nearest to the StartPose, but perhaps its end; give a longer track, a Chain with "
+            "a corner there, or a Start"
+        )
     slip, rate = _velocities(own, track, contact)
     slip, gap = slip - (belt.at(0.0)[0] if belt else 0.0), contact.gap
     # What is left of larger numbers that cancel is rounding.

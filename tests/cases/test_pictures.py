@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import cases
@@ -72,6 +73,15 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
     }
     with pytest.raises(UnknownName, match="normal_force"):
         MOTION.plot("normal_froce")
+
+
+def test_a_quantity_is_drawn_into_axes_that_are_given():
+    left, right = Figure().subplots(1, 2)
+    assert MOTION.plot(ax=left) is left and MOTION.plot("x", ax=right) is right
+    assert [ax.get_ylabel() for ax in (left, right)] == [plots.LABELS[name] for name in ("slip", "x")]
+    assert np.allclose(left.lines[0].get_xydata(), MOTION.to_frame()[["t", "slip"]])
+    with pytest.raises(BadValue, match="give one"):
+        MOTION.plot("x", "y", ax=left)
 
 
 def test_modes_and_slip_of_several_contacts_are_those_of_the_first():
