@@ -19,7 +19,8 @@ MANY = 20_000
 
 
 def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any):
-    """Simulate a case for many parameter values; returns a DataFrame, one row per scenario, NaN where it has no number.
+    """Simulate a case for many parameter values; returns a DataFrame, one row per scenario, NaN where it has no number;
+    its `plot_map` draws two parameters, and `to_xarray` gives a grid.
 
     `case` is a name, a case of the catalogue or a function that returns a Case. Each further argument is a parameter
     with its values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several parameters form a grid, the
@@ -29,7 +30,11 @@ def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int 
     """
     import pandas as pd
 
-    return pd.concat(sweep_chunks(case, sample, number, seed, rtol, **vary), ignore_index=True)
+    from .sweep_table import SweepTable
+
+    rows = SweepTable(pd.concat(sweep_chunks(case, sample, number, seed, rtol, **vary), ignore_index=True))
+    rows.parameters = tuple(vary)
+    return rows
 
 
 def sweep_chunks(

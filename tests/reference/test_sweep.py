@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import cases
 import reference
 from cases import (
+    BadValue,
     Case,
     CaseError,
     ContactEffect,
@@ -25,6 +27,7 @@ from cases import (
     StartPose,
     Support,
     Unilateral,
+    UnknownName,
     disc,
 )
 from cases.library import line
@@ -235,3 +238,28 @@ def test_the_boundary_of_the_application_is_where_the_paper_says():
         edge = rolls_beyond(mu)
         rows = reference.sweep("disc_in_circle", mu=mu, xi1=[edge - 1e-8, edge + 1e-8])
         assert rows.first_after.tolist() == ["slip_backward", "roll"]
+
+
+def test_a_sweep_draws_its_map():
+    """A disc rolls on an incline where tan(slope) <= 3 mu, and slides without friction."""
+    rows = reference.sweep("disc_on_incline", mu=np.array([0.0, 0.1, 0.2]), slope=np.array([0.1, 0.4]))
+    picture = rows.plot_map()
+    ax = picture.axes[0]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("mu", "slope")
+    shown = ax.collections[0].get_array().reshape(2, 3).tolist()  # rows of slope, columns of mu
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert [[words[int(k)] for k in row] for row in shown] == [
+        ["slide", "roll", "roll"],
+        ["slide", "slip_forward", "roll"],
+    ]
+    assert rows[rows.mu > 0.0].plot_map("energy_end", ax=Figure().subplots()).get_xlabel() == "mu"
+    with pytest.raises(UnknownName, match="energy_end"):
+        rows.plot_map("energy")
+    with pytest.raises(BadValue, match="two parameters"):
+        reference.sweep("disc_on_incline", mu=np.array([0.1, 0.2])).plot_map()
+
+
+def test_a_sweep_is_a_grid_of_xarray():
+    pytest.importorskip("xarray")
+    grid = reference.sweep("disc_on_incline", mu=np.array([0.1, 0.2]), slope=np.array([0.1, 0.4])).to_xarray()
+    assert str(grid["sequence"].sel(mu=0.1, slope=0.4).item()) == "slip_forward"
