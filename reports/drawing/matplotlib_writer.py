@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import NullLocator
 
 from cases.pictures.style import FAINT, Picture
 
-from ..judging.grades import percent
 from .colours import TRUTH, LineStyles
-from .palette import logarithmic
 from .traces import Diagram, Panel, PlotScale, Trace, apart
 
 # Height of a line of text as a share of a panel's, and mean width of a letter of size 8 as a share of a panel's.
@@ -41,14 +39,12 @@ def _panel(ax: Axes, panel: Panel, looks: LineStyles) -> None:
     for name, axis in (("x", panel.x), ("y", panel.y)):
         values = (value for trace in panel.traces for value in getattr(trace, name))
         scale = scales[name] = PlotScale(axis, values, 0.0, 1.0)
-        if axis.is_log:
-            logarithmic(ax, name)
+        ax.set(**{f"{name}scale": "log" if axis.is_log else "linear", f"{name}label": axis.label})
+        # The ticks of the page.
         along = ax.xaxis if name == "x" else ax.yaxis
-        if axis.is_percent:
-            along.set_major_formatter(FuncFormatter(lambda value, _: percent(value)))
-        if axis.names:
-            along.set_ticks([place for place, _ in axis.names], [text for _, text in axis.names])
-        ax.set(**{f"{name}lim": (scale.low, scale.high), f"{name}label": axis.label})
+        along.set_minor_locator(NullLocator())
+        along.set_ticks(*zip(*scale.ticks(), strict=True))
+        ax.set(**{f"{name}lim": (scale.low, scale.high)})
     if panel.title:
         ax.set_title(panel.title, loc="left", pad=18 if panel.spans else None)
     for span in panel.spans:

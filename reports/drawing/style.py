@@ -9,9 +9,8 @@ from matplotlib.colors import to_hex
 from cases.pictures.style import FAINT, STYLE
 
 from .colours import LineStyles
-from .palette import logarithmic
 
-__all__ = ["AREAS", "FAINT", "STYLE", "LineStyles", "logarithmic", "ordinal"]
+__all__ = ["AREAS", "FAINT", "STYLE", "LineStyles", "ordinal"]
 
 matplotlib.use("Agg")  # pictures are written to files without opening windows
 

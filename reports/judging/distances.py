@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import nan
 from typing import Any, NamedTuple
 
@@ -38,9 +39,13 @@ _LEAST_SHARE = 0.5
 _EVEN, _PARTS = 1001, 4
 
 
+@lru_cache(maxsize=4)
 def even_samples(motion: Trajectory) -> Trajectory:
     """A dense motion at evenly spaced times, close enough for integrals with a relative error of 1e-4 by the
-    trapezoidal rule. Every fourth time is one at which `differences` compares it, to the last bit."""
+    trapezoidal rule: at every fourth `differences` compares it. A motion of samples is itself. Cached, as a motion is
+    compared in several ways, and all motions of a case with one truth."""
+    if motion.dense is None:
+        return motion
     times = np.linspace(motion.t[0], motion.t[-1], _PARTS * (_EVEN - 1) + 1)
     return Trajectory(t=times, **motion(times)._asdict())
 
@@ -50,7 +55,6 @@ def differences(
     truth: Trajectory,
     case: Case,
     whole: Mapping[str, np.ndarray] | None = None,
-    even: Trajectory | None = None,
 ) -> dict[str, np.ndarray]:
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at evenly
     spaced times if its motion is dense (its steps are few, and doubled where the forces jump).
@@ -64,9 +68,9 @@ def differences(
     energy_share: the difference of the mechanical energy relative to the true motion's largest kinetic energy.
     Whole turns between the angles at the start are subtracted: they only mean that angles are counted differently.
     `whole`: the differences of the motions of which these two are one contact. What all contacts share is taken from
-    it, if its times are the same. `even`: the `even_samples` of the trajectory, if they are known.
+    it, if its times are the same.
     """
-    times, state = _states(trajectory, truth, even)
+    times, state = _states(trajectory, truth)
     exact = truth(times)
     if whole is None or not np.array_equal(whole["t"], times):
         whole = _of_plates(case, times, (trajectory, state), (truth, exact))
@@ -136,7 +140,7 @@ def states_at(motion: Trajectory, times: np.ndarray) -> State:
         return motion(times)
     inside = (motion.t >= times[0]) & (motion.t <= times[-1]) if len(times) else np.zeros(len(motion.t), dtype=bool)
     if np.array_equal(motion.t[inside], times):
-        return State(*(getattr(motion, name)[inside] for name in State._fields))
+        return states_of(motion, inside)
     return motion(times)
 
 
@@ -150,17 +154,17 @@ def multiplier(case: Case, normal_force, xi1) -> np.ndarray:
     return np.asarray(normal_force) / np.where(speed > 0.0, speed, nan)
 
 
-def _states(trajectory: Trajectory, truth: Trajectory, even: Trajectory | None) -> tuple[np.ndarray, State]:
+def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, State]:
     """The times at which both are compared, and the solver's states at these times, arrays."""
-    if even is not None:
-        times, state = even.t[::_PARTS], State(*(getattr(even, name)[::_PARTS] for name in State._fields))
-    elif trajectory.dense is not None:
-        times = np.linspace(trajectory.t[0], trajectory.t[-1], _EVEN)
-        state = trajectory(times)
-    else:
-        times, state = trajectory.t, State(*(getattr(trajectory, name) for name in State._fields))
-    common = (times >= truth.t[0]) & (times <= truth.t[-1])
-    return times[common], State(*(np.asarray(values)[common] for values in state))
+    samples, every = even_samples(trajectory), 1 if trajectory.dense is None else _PARTS
+    common = np.zeros(len(samples.t), dtype=bool)
+    common[::every] = (samples.t[::every] >= truth.t[0]) & (samples.t[::every] <= truth.t[-1])
+    return samples.t[common], states_of(samples, common)
+
+
+def states_of(motion: Trajectory, pick: slice | np.ndarray = slice(None)) -> State:
+    """The states of a motion at some of its own samples, of its first plate and contact."""
+    return State(*(np.asarray(getattr(motion, name))[pick] for name in State._fields))
 
 
 def distance(off: dict[str, np.ndarray]) -> Distance:

@@ -64,7 +64,7 @@ def _losses_of_any(case: Case, motion: Trajectory, end: float) -> Losses:
     """The losses of a motion, which is sampled only if they can be known."""
     if not _has_losses(case, motion):
         return INDETERMINATE
-    return losses(case, motion if motion.dense is None else even_samples(motion), end)
+    return losses(case, even_samples(motion), end)
 
 
 def _has_losses(case: Case, motion: Trajectory) -> bool:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, State, Trajectory, Transition
+from cases import Case, Mode, Trajectory, Transition
 from cases.contact import track_place
 from cases.contact.nearest import nearest
 from cases.motion import mechanics
@@ -22,12 +22,11 @@ from cases.motion.mechanics import kinetic_energy
 from cases.scene.free_plates import POSE
 
 from . import doubts
+from .distances import even_samples, states_of
 from .ledger import LedgerRow
 
 # A plate is at rest once its kinetic energy stays below this part of its largest: it has lost 99 % of its speed.
 _AT_REST = 1e-4
-# Times of a motion with dense output.
-_EVEN = 4001
 
 
 class ImpactRow(NamedTuple):
@@ -77,8 +76,8 @@ def _in_order(ledger_rows: Sequence[LedgerRow]) -> list[tuple[str, float, float]
 
 def _swings(motion: Trajectory, times: Sequence[float]) -> dict[float, float]:
     """The largest turn of the plate after each of the impacts and before the next, rad, by the impact's time."""
-    t, state = _samples(motion)
-    theta = np.asarray(state.theta)
+    samples = even_samples(motion)
+    t, theta = samples.t, samples.theta
     known = sorted(time for time in times if isfinite(time) and time <= t[-1])
     swings = {}
     for begin, end in pairwise([*known, float(t[-1])]):
@@ -104,9 +103,10 @@ def rebounds(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> 
     Velocities are extrapolated to the impact with gravity and load. Impacts without a sample in flight on both sides
     are omitted; where the plate stays, none is needed after it. Cached, as all motions of a case are compared with one
     truth."""
-    t, state = _samples(motion)
+    samples = even_samples(motion)
+    t = samples.t
     # Solvers with impacts of finite duration report no force in them.
-    aloft = np.isnan(np.asarray(state.xi1)) & ~np.isnan(np.asarray(state.normal_force))
+    aloft = np.isnan(samples.xi1) & ~np.isnan(samples.normal_force)
     edges, result = [-np.inf, *(event.time for event in events), np.inf], list[Rebound]()
     # A central difference next to an impact has velocities of both sides in it.
     skip = int(doubts.are_differences(motion))
@@ -117,8 +117,8 @@ def rebounds(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> 
         stays = event.after is not Mode.FLIGHT
         if event.before is Mode.FLIGHT and len(before) and (stays or len(after)):
             i = int(before[-1])
-            closing = -_normal_speed(case, t, state, i, i, event.time)
-            leaves = 0.0 if stays else _normal_speed(case, t, state, int(after[0]), i, event.time)
+            closing = -_normal_speed(case, samples, i, i, event.time)
+            leaves = 0.0 if stays else _normal_speed(case, samples, int(after[0]), i, event.time)
             if closing > 0.0:
                 result.append(Rebound(event.time, closing, leaves / closing))
     return tuple(result)
@@ -133,16 +133,15 @@ def rebound_rows(own: Sequence[Rebound], true: Sequence[Rebound]) -> tuple[Impac
     )
 
 
-def _normal_speed(case: Case, t: np.ndarray, state: State, k: int, pose: int, time: float) -> float:
+def _normal_speed(case: Case, samples: Trajectory, k: int, pose: int, time: float) -> float:
     """The velocity at a time, from sample k in flight, of the outline's point that is nearest to the track in sample
     `pose`, relative to the track along its normal there, m/s; 0 where no point of the track is near."""
-    now = SimpleNamespace(t=t[k : k + 1], **{name: np.asarray(getattr(state, name))[k : k + 1] for name in POSE})
+    now = SimpleNamespace(**{name: getattr(samples, name)[k : k + 1] for name in ("t", *POSE)})
     force = mechanics.loads(case, now)[:, 0]
-    turning = float(now.omega[0]) + (time - t[k]) * force[2] / case.plate.inertia
-    velocity = np.array([now.vx[0], now.vy[0]]) + (time - t[k]) * (
-        mechanics.gravity(case) + force[:2] / case.plate.mass
-    )
-    x, y, theta = (float(np.asarray(values)[pose]) for values in (state.x, state.y, state.theta))
+    later = time - now.t[0]
+    turning = float(now.omega[0]) + later * force[2] / case.plate.inertia
+    velocity = np.array([now.vx[0], now.vy[0]]) + later * (mechanics.gravity(case) + force[:2] / case.plate.mass)
+    x, y, theta = (float(values[pose]) for values in (samples.x, samples.y, samples.theta))
     place = track_place(case, time)
     x, y, vx, vy, turning = place.seen_from_track(x, y, velocity[0], velocity[1], turning)
     contact = nearest(case, x, y, theta - place.angle)
@@ -176,19 +175,9 @@ _ENERGY = 1e-3
 def rest_time(case: Case, motion: Trajectory) -> float:
     """The time after which the kinetic energy stays below a small part of its largest, s; NaN if the motion ends
     before."""
-    t, state = _samples(motion)
-    kinetic = np.asarray(kinetic_energy(case, state))
+    samples = even_samples(motion)
+    t, kinetic = samples.t, np.asarray(kinetic_energy(case, states_of(samples)))
     moving = np.flatnonzero(kinetic > _AT_REST * float(np.max(kinetic, initial=0.0)))
     if not len(moving):
         return 0.0
     return float(t[moving[-1] + 1]) if moving[-1] + 1 < len(t) else nan
-
-
-@lru_cache(maxsize=2)
-def _samples(motion: Trajectory) -> tuple[np.ndarray, State]:
-    """Times and states of a motion: at its own samples, or at even times if its steps are few. Cached, as all motions
-    of a case are compared with one truth."""
-    if motion.dense is None:
-        return motion.t, State(*(getattr(motion, name) for name in State._fields))
-    t = np.linspace(motion.t[0], motion.t[-1], _EVEN)
-    return t, motion(t)

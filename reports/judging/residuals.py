@@ -30,6 +30,7 @@ from cases.motion import mechanics
 from cases.motion.trajectory import State
 from cases.own_effects import ContactEffect, own_effects
 
+from .distances import states_of
 from .validation import Residuals
 
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
@@ -108,7 +109,7 @@ def _slope(t: np.ndarray, y: np.ndarray) -> float:
 def looks(motion: Trajectory) -> tuple[np.ndarray, State]:
     """Times spread over the motion's own samples, and its states there."""
     pick = np.unique(np.linspace(0, len(motion.t) - 1, min(_LOOKS, len(motion.t))).round().astype(int))
-    return motion.t[pick], State(*(np.asarray(getattr(motion, name))[pick] for name in State._fields))
+    return motion.t[pick], states_of(motion, pick)
 
 
 def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:

@@ -317,7 +317,7 @@ def _readings(
     if motion.first_mode is not None:
         own = tuple(motion.transitions)
         yield Reading(motion.first_mode, own, (float("nan"),) * len(own)), None, 0.0
-        motion = replace(motion if motion.dense is None else even_samples(motion), first_mode=None, transitions=())
+        motion = replace(even_samples(motion), first_mode=None, transitions=())
     cap = scale.most_creep
     creep_limit = min(motion.slip_resolution, cap)
     yield read(case, replace(motion, slip_resolution=creep_limit)), motion, 0.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -75,7 +76,8 @@ def judge(
         one, exact, reader, own_off = motion, truth, None, off
         if name:
             one, exact = only(motion, partner), truth.of(name)
-            reader, own_off = ContactReader(case, name, gap_of(motion, partner)), differences(one, exact, case, off)
+            reader = partial(_read, name, gap_of(motion, partner))
+            own_off = differences(one, exact, case, off)
         scores[name], reading = score_and_reading(case, one, exact, scales[name], own_off, reader)
         modes[name] = reading.first_mode
         pairs = ledger.match(of_contact(events, name), reading.transitions, gap)
@@ -178,9 +180,12 @@ def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> d
     return {null: only(motion, same_contacts(motion, truth)[name]) for null, motion in nulls.items()}
 
 
-class ContactReader:
-    """Reads first mode and transitions of one contact of several, with its gaps (m) at times, by the friction at that
-    contact.
+def _read(contact: str, gap: Callable[[np.ndarray], np.ndarray], case: Case, motion: Trajectory) -> Reading:
+    return ContactReader(case, motion, contact, gap(motion.t)).reading()
+
+
+class ContactReader(MotionReader):
+    """One contact of several, with its gap (m) at the samples; it is read by the friction at that contact.
 
     While it is open the plate may touch its track elsewhere, so that nothing follows from the laws of free flight: a
     contact closes where its gap, extrapolated by a line through the last two samples, vanishes. Slip within two samples
@@ -188,21 +193,13 @@ class ContactReader:
     fixed step reports the mean.
     """
 
-    def __init__(self, case: Case, contact: str, gap: Callable[[np.ndarray], np.ndarray]):
+    def __init__(self, case: Case, motion: Trajectory, contact: str, gap: np.ndarray):
+        super().__init__(case, motion)
         self.gap, self.bound = gap, stick_bound(effects_at(case, contact))
         plates = {"plate": case.plate} | {other.name: other.plate for other in case.others}
-        # Stuck to what is fixed, such a plate rests.
-        self.may_rest = not plates[contact.partition("/")[0]].turns and base_of(contact) not in plates
-
-    def __call__(self, case: Case, motion: Trajectory) -> Reading:
-        return _OneOfSeveral(case, motion, self.gap(motion.t), self.bound, self.may_rest).reading()
-
-
-class _OneOfSeveral(MotionReader):
-    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray, bound: float | None, may_rest: bool):
-        super().__init__(case, motion)
-        self.gap, self.bound = gap, bound
-        self.turns = self.turns or may_rest
+        # Stuck to what is fixed, a plate that cannot turn rests.
+        is_fixed = not plates[contact.partition("/")[0]].turns and base_of(contact) not in plates
+        self.turns = self.turns or is_fixed
 
     def _contact(self, stretch: SampleStretch) -> Reading:
         first = stretch.start + (_EDGE if stretch.start else 0)

@@ -281,10 +281,9 @@ def judge(
     has_forces = claims.forces_hold(case, trajectory)
     if not has_forces:
         trajectory, laws = claims.without_forces(trajectory), (*laws, "its forces do not make its motion")
-    # Of a dense motion both its distances and its friction need samples, which take long by the paper's matrix.
-    is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
-    even = distances.even_samples(trajectory) if is_sampled else None
-    off = distances.differences(trajectory, motion, case, even=even)
+    has_friction = is_defined(case, trajectory, truth.scale.losses)
+    samples = distances.even_samples(trajectory) if has_friction else trajectory
+    off = distances.differences(trajectory, motion, case)
     by = motion, truth.scales, truth.transitions
     judgement = several_contacts.judge(case, trajectory, *by, off)
     total, scale = judgement.score, judgement.scale
@@ -296,7 +295,7 @@ def judge(
         total = total._replace(doubt=max(total.doubt, doubt_of_reading(judgement.scores, true)))
     if judgement.worst:
         laws = (*laws, f"worst at {judgement.worst}")
-    friction = friction_factor(case, even or trajectory, scale.losses, scale.end)
+    friction = friction_factor(case, samples, scale.losses, scale.end)
     distance = distances.distance(off)
     begin, end = float(motion.t[0]), float(motion.t[-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
@@ -319,7 +318,7 @@ def judge(
         spreads=judgement.spreads,
         score=total,
         friction_factor=friction,
-        law=law_error(case, even or trajectory),
+        law=law_error(case, samples),
         grade=str(grades.grade(total.off, total.doubt)),
         sequence=grades.sequence_note(total, scale),
         impacts=rows,

@@ -24,7 +24,7 @@ from reference.sweeping.table import ARROW, BAD, FAILED
 
 from ..drawing.colours import GRADES
 from ..drawing.figure_files import FigureEntry, save
-from ..drawing.style import AREAS, STYLE, logarithmic
+from ..drawing.style import AREAS, STYLE
 from . import boundaries
 from .computation import ROWS
 from .parameter_units import parameter_label
@@ -235,9 +235,7 @@ def _contours(ax: Axes, data: _MapData, numbers: np.ndarray) -> None:
 def _frame(ax: Axes, plan: Plan, data: _MapData) -> None:
     ax.grid(False)
     for axis, which in zip(plan.axes[:2], "xy", strict=True):
-        if axis.log:
-            logarithmic(ax, which)
-        ax.set(**{f"{which}label": parameter_label(plan, axis.name)})
+        ax.set(**{f"{which}scale": "log" if axis.log else "linear", f"{which}label": parameter_label(plan, axis.name)})
     ax.set_xlim(float(np.nanmin(data.x)), float(np.nanmax(data.x)))
     ax.set_ylim(float(np.nanmin(data.y)), float(np.nanmax(data.y)))
 
@@ -275,7 +273,7 @@ def _curve(plan: Plan, folder: Folder) -> Figure:
                 label=f"then it {_VERBS[Mode(mode)]}",
             )
         if plan.axes[0].log:
-            logarithmic(ax, "x")
+            ax.set_xscale("log")
         ax.set_xlabel(parameter_label(plan, name))
         ax.set_ylabel("times of the transitions / s")
         if modes:

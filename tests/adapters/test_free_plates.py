@@ -81,8 +81,8 @@ def test_a_disc_pushes_a_block_and_rolls_at_the_exact_time(name):
 
 def read_at(case: Case, motion, contact: str):
     """The transitions that are read at one contact."""
-    reader = several_contacts.ContactReader(case, contact, several_contacts.gap_of(motion, contact))
-    return reader(case, several_contacts.only(motion, contact)).transitions
+    one, gap = several_contacts.only(motion, contact), several_contacts.gap_of(motion, contact)(motion.t)
+    return several_contacts.ContactReader(case, one, contact, gap).reading().transitions
 
 
 @pytest.mark.sampled(2)

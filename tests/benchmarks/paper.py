@@ -218,7 +218,7 @@ def remark(findings: Paper) -> Figure:
     """The closing remark as curves over μ₀, with the range in which rolling follows."""
     from matplotlib import pyplot as plt
 
-    from reports.drawing.style import FAINT, STYLE, logarithmic, ordinal
+    from reports.drawing.style import FAINT, STYLE, ordinal
 
     rows = findings.remark
     mus = np.array([row["mu"] for row in rows])
@@ -240,7 +240,7 @@ def remark(findings: Paper) -> Figure:
                 ax.plot(mus[mask], values[mask], color=colour, label=what)
             values_of_paper = [getattr(slip_end(mu), name) for mu in COEFFICIENTS]
             ax.plot(COEFFICIENTS, values_of_paper, "o", color="black", markersize=4, label="the paper's coefficients")
-            logarithmic(ax, "xy" if name == "demand" else "x")
+            ax.set(xscale="log", yscale="log" if name == "demand" else "linear")
             ax.set_xlabel("friction coefficient μ₀")
             ax.set_ylabel(label)
         axes[1].axhline(np.pi / 2, color=FAINT, linewidth=0.8, linestyle=":")

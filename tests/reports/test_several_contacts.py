@@ -111,7 +111,7 @@ def test_each_contact_is_read_by_its_own_friction():
     nothing = np.zeros(101)
     still = Trajectory(*(t, nothing, nothing, nothing, nothing, nothing, nothing, nothing), *[nothing] * 4)
     first = {
-        contact: several_contacts.ContactReader(case, contact, np.zeros_like)(case, still).first_mode
+        contact: several_contacts.ContactReader(case, still, contact, np.zeros(len(still.t))).reading().first_mode
         for contact in ("plate/track", "plate/track 2", "plate/wall", "plate/wall 2")
     }
     assert list(first.values()) == [Mode.ROLL, Mode.ROLL, Mode.SLIDE, Mode.SLIDE]
