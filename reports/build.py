@@ -271,7 +271,8 @@ def _write(
     facts["not installed"] = "; ".join(missing_words(local_runs.versions))
     facts["solvers"] |= external_motions.sources(plan.trajectories)
     results = Results(local_runs, experiment, costs)
-    output = table_files.write(place / "tables", results, study_results, command, local_runs.versions)
+    output = table_files.of_report(results, study_results, local_runs.versions)
+    table_files.write(output, place / "tables", command)
     calls.times.book("tables")
     figures = place / "figures"
     entries = pictures.draw(experiment, figures, calls)

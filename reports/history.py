@@ -140,7 +140,7 @@ def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, abo
     import pandas as pd
 
     from .analysis import version_history
-    from .page import dictionary, history_text, text
+    from .page import history_text, table_files
 
     words, line_rows = version_history.TABLES, version_history.line_rows(lines)
     frames = {
@@ -150,8 +150,7 @@ def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, abo
     }
     with report_folder.of_history(out).staging(whole=True) as place:
         tables = place / "tables"
-        text.write(frames, tables)
-        dictionary.write(frames, words, tables, about["command"])
+        table_files.write(table_files.Tables(frames, words), tables, about["command"])
         markdown = history_text.render(line_rows, releases, _origin(), about["command"])
         (place / report_folder.HISTORY).write_text(markdown, encoding="utf-8")
         report_folder.sign(place, about)

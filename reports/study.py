@@ -43,7 +43,7 @@ def main(arguments: Namespace, words: list[str]) -> None:
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .page import dictionary, text
+    from .page import table_files, text
     from .page.manifest import manifest
     from .running import versions
     from .running.calls import Calls
@@ -61,8 +61,7 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with report_folder.of_study(out).staging(whole=True) as place:
-        files = text.write(result.frames, place)
-        files += dictionary.write(result.frames, result.words, place, command)
+        files = table_files.write(table_files.Tables(result.frames, result.words), place, command)
         report_folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.summary()})
     store.trim()
     summary = getattr(result.study, "summary", None)

@@ -19,8 +19,8 @@ from cases.files.command_line import status
 from cases.files.owned_folder import LIST, digest
 from cases.formulas import expressions
 from reports import compare_builds, options
-from reports.page import report_folder
-from reports.page import text as report_text
+from reports.analysis.columns import Table
+from reports.page import report_folder, table_files
 from reports.running import external_motions, submissions
 from reports.running.storage import result_store
 from reports.sweeping import sweep_folder
@@ -238,7 +238,8 @@ def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
 def test_text_is_inert_in_tables(mark, tmp_path):
     texts = [*attacks(mark), "=1+1", "+1+1", "-1+1", "@SUM(A1)", "\t=1", "<script>alert(1)</script>", "-1.5", "plain"]
     frame = pd.DataFrame({"solver": texts, "value": [-1.5] * len(texts)})
-    report_text.write({"t": frame}, tmp_path)
+    words = {"t": Table("t", dict.fromkeys(frame.columns, "a text"))}
+    table_files.write(table_files.Tables({"t": frame}, words), tmp_path, "make it")
     back = pd.read_csv(tmp_path / "t.csv", dtype=str)
     for cell in back["solver"]:
         assert cell == "-1.5" or not cell.lstrip().startswith(("=", "+", "-", "@")), cell

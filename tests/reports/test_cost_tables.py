@@ -14,7 +14,7 @@ import pytest
 from reports import build, options
 from reports.analysis import columns, cost_conclusions, verdict_text, which_engine
 from reports.judging.grades import LEVELS
-from reports.page import dictionary, text
+from reports.page import table_files
 from reports.running import solvers
 from reports.running.records import one_default
 from reports.running.timing import timed_pass
@@ -184,13 +184,17 @@ def test_numbers_and_words_stand_in_columns_of_their_own_and_nothing_is_infinite
             assert not numbers or numbers == cells, (name, column, cells - numbers)
 
 
+def write(frame, words, folder):
+    table_files.write(table_files.Tables({"t": frame}, {"t": columns.Table("t", words)}), folder, "make it")
+
+
 def test_an_infinite_result_is_not_written(tmp_path):
     frame = pd.DataFrame([{"case": "c", "error": float("inf")}])
     with pytest.raises(ValueError, match="infinite result in error"):
-        text.write({"t": frame}, tmp_path)
+        write(frame, {"case": "the case", "error": "its error"}, tmp_path)
 
 
 def test_a_column_without_words_is_not_written(tmp_path):
     frame = pd.DataFrame([{"case": "c", "secret": 1.0}])
     with pytest.raises(ValueError, match="no description of secret in the table t"):
-        dictionary.write({"t": frame}, {"t": columns.Table("t", {"case": "the case"})}, tmp_path, "make it")
+        write(frame, {"case": "the case"}, tmp_path)

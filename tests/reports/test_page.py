@@ -20,11 +20,12 @@ from adapters import Setting
 from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
 from reports.analysis import verdict
+from reports.analysis.columns import Table
 from reports.page import chapters, evidence, html, motions, vendor
 from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
 from reports.page.fragments import anchor, short_percent
-from reports.page.text import write
+from reports.page.table_files import Tables, write
 from reports.running.records import Experiment, Truth
 
 from .test_verdict import experiment, run
@@ -69,7 +70,8 @@ def test_a_motion_in_the_page_has_its_facts_and_its_arrays():
 
 def test_the_pages_copy_of_a_file_has_its_cells_and_times_have_all_digits(tmp_path):
     frame = pd.DataFrame({"time": [1 / 3, 2.0], "error": [1 / 3, -1.2345678901e-7], "reason": ['a "b", c', "0.1"]})
-    write({"one": frame, "none": frame.head(0)}, tmp_path)
+    words = Table("t", dict.fromkeys(frame.columns, "a text"))
+    write(Tables({"one": frame, "none": frame.head(0)}, {"one": words, "none": words}), tmp_path, "make it")
     columns = [c.split("\x1f") for c in _read(html._columns(tmp_path / "one.csv")).split("\x1e")]
     assert columns[0] == ["time", repr(1 / 3), "2.0"] and columns[2] == ["reason", 'a "b", c', "0.1"]
     assert columns[1] == ["error", "0.333333333", "-1.23456789e-07"]

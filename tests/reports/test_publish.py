@@ -334,8 +334,7 @@ def rebuilt(tmp_path_factory) -> Path:
     from reports.analysis import table_list
     from reports.analysis.columns import with_version
     from reports.analysis.table_list import Results
-    from reports.page.table_files import with_short_numbers
-    from reports.page.text import inert
+    from reports.page.table_files import inert, with_short_numbers
     from reports.running import experiment
     from reports.running.calls import Calls
     from reports.running.progress import Display

@@ -11,9 +11,9 @@ import cases
 from adapters import EngineFailure, Setting
 from adapters.processes.worker import CallResult
 from cases import Mode, NotSupported, Start, State, Trajectory, Transition
-from reports.analysis import tables
+from reports.analysis import columns, tables
 from reports.judging import several_contacts
-from reports.page import text
+from reports.page import table_files
 from reports.running import clocked_run, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Run, first_error
@@ -76,8 +76,9 @@ def test_truth_of_a_plate_at_rest_is_a_row_that_can_be_written(tmp_path):
     case = replace(cases.load("disc_on_line"), start=Start(xi1=0.0))
     rows = tables.truth_rows(SimpleNamespace(truths={case.label: tasks.find_truth(case)}))
     frames = {"truth": pd.DataFrame(rows)}
-    written = text.write(frames, tmp_path)
-    assert written and frames["truth"].friction_share.isna().all()
+    words = {"truth": columns.describe_column("truth", map(str, frames["truth"].columns))}
+    assert table_files.write(table_files.Tables(frames, words), tmp_path, "make it")
+    assert frames["truth"].friction_share.isna().all()
 
 
 def test_exact_motion_is_right_to_rounding(monkeypatch, line):
