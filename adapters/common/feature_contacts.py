@@ -12,12 +12,12 @@ from math import pi
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from cases import Belt, Case, Curve, DoesNotFit, State, Trajectory
 from cases.contact import belt_speed
 from cases.contact.polygon_features import local_centre, places_in_regions
 from cases.curves.corner import Corner, Edge, turning
-from cases.curves.curve_samples import SampleStretches
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.sampled_contacts import SampledPlates
 from cases.scene.contact_limits import touches_by_features
@@ -297,7 +297,7 @@ def _on_line(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 def _on_curve(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The same for a curve, by Newton's method from the nearest sample; next to an end the distance is infinite."""
     parameters = np.linspace(*track.span, TRACK_SAMPLES)
-    near = SampleStretches.of(track.point(parameters).T).nearest(place.T)
+    near = cKDTree(track.point(parameters).T).query(place.T)[1]
     xi1 = start = parameters[near]
     width = parameters[1] - parameters[0]
     for _ in range(FOOT_STEPS):

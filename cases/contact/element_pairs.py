@@ -16,22 +16,16 @@ import numpy as np
 from ..curves import Curve
 from ..curves.chain import Chain
 from ..curves.corner import Corner, Piece
-from ..curves.curve_samples import squares
 from ..curves.element import Element
 from ..curves.outline import sizes_of
-from ..errors import DoesNotFit
-from .geometry import EPS, Contact, angle_on, bends, find
-from .nearest_samples import nearest_samples
+from .close_pairs import Pose, close_pairs, nearest_on
+from .geometry import EPS, Contact, angle_on, bends
 
-# Points of an outline's piece, next to one of which its nearest point to a corner or a line is.
-PIECE_POINTS = 257
 # Points of an element of a chain, which say how near it may be.
 ELEMENT_POINTS = 33
 # A place beyond the end of an element by this part of its width, or of a corner's angle by this, rad, is a rounding's;
 # lengths differ by one within it, in parts of the plate's size and place.
 SAME_PLACE = 1e-12
-
-Pose = tuple[float, float, float]
 
 
 class _ElementPoints(NamedTuple):
@@ -43,7 +37,7 @@ class _ElementPoints(NamedTuple):
 
     def least(self, x: float, y: float) -> np.ndarray:
         """What the elements are away from a point at least, m."""
-        return np.sqrt(squares(self.points, np.array([x, y])).min(axis=1)) - self.spacings
+        return np.hypot(*(self.points - (x, y)).T).T.min(axis=1) - self.spacings
 
 
 def may_touch(track: Piece, outline: Piece, bounds: Callable[[Piece], tuple[float, float]] = bends) -> bool:
@@ -58,88 +52,45 @@ def may_touch(track: Piece, outline: Piece, bounds: Callable[[Piece], tuple[floa
     return not is_below_side and not (track.features is None and bounds(outline)[1] <= 0.0)
 
 
-def first_guesses(track: Piece, outline: Piece, x: float, y: float, theta: float) -> list[tuple[float, float]]:
-    """Parameters from which Newton's method finds the pairs of two elements that are nearest in a pose."""
-    if isinstance(track, Curve):
-        is_straight = track.features is None
-        if is_straight and isinstance(outline, Corner):
-            return [(0.5 * sum(track.span), 0.5 * sum(outline.span))]
-        return (
-            _over_line(track, outline, (x, y, theta)) if is_straight else nearest_samples(track, outline, x, y, theta)
-        )
-    (u, v), grid = _in_frame(track, (x, y, theta)), np.linspace(*outline.span, PIECE_POINTS)
-    return [(0.5 * sum(track.span), float(grid[i])) for i in _least(squares(outline.point(grid).T, np.array([u, v])))]
-
-
-def _over_line(track: Curve, outline: Piece, pose: Pose) -> list[tuple[float, float]]:
-    """The same of a straight track: where points of a piece are lowest over it."""
-    s, grid = 0.5 * sum(track.span), np.linspace(*outline.span, PIECE_POINTS)
-    (x, y, theta), (nx, ny) = pose, track.normal(s)
-    c, w = cos(theta), sin(theta)
-    u, v = outline.point(grid)
-    tx, ty = track.tangent(s) / track.speed(s)
-    px, py = x + c * u - w * v - track.point(s)[0], y + w * u + c * v - track.point(s)[1]
-    return [(float(s + px[i] * tx + py[i] * ty), float(grid[i])) for i in _least(px * nx + py * ny)]
-
-
-def _least(values: np.ndarray) -> list[int]:
-    """Where values (n,) are at most those next to them."""
-    padded = np.pad(values, 1, constant_values=inf)
-    return np.flatnonzero((values <= padded[:-2]) & (values <= padded[2:])).tolist()
-
-
 def _in_frame(corner: Corner, pose: Pose) -> tuple[float, float]:
     """A corner of the track in the frame of the plate."""
     u, v, c, s = corner.x - pose[0], corner.y - pose[1], cos(pose[2]), sin(pose[2])
     return c * u + s * v, c * v - s * u
 
 
-def common_normals(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[Contact]:
+def common_normals(
+    track: Curve, outline: Curve, x: float, y: float, theta: float, most: float | None = None
+) -> list[Contact]:
     """Pairs of points with a common normal in a pose, each on an element of the track and one of the outline, between
-    the ends of both, the one with the smallest gap (m, signed) first; all that may be the nearest, and others."""
+    the ends of both, the one with the smallest gap (m, signed) first: all with a gap of at most `most`, or, with None,
+    all that may be the nearest, and others."""
     pose, results, nearest = (x, y, theta), list[Contact](), inf
-    reach = sizes_of(outline).reach
     elements, least = track.elements, np.zeros(1)
     if len(elements) > 1:
-        least = _element_points(track).least(x, y) - reach
+        least = _element_points(track).least(x, y) - sizes_of(outline).reach
     for number in np.argsort(least):
-        if least[number] > nearest:
+        first = elements[number]
+        if least[number] > (nearest if most is None else most):
             break
         for second in outline.elements:
-            if not may_touch(elements[number].piece, second.piece):
+            if not may_touch(first.piece, second.piece):
                 continue
-            some = _between(track, outline, elements[number], second, pose)
-            results += some
-            nearest = min([nearest, *(one.gap for one in some if one.gap > 0.0)])
+            if isinstance(first.piece, Corner) and isinstance(second.piece, Corner):
+                some = [_of_corners(first.piece, second.piece, pose)]
+            else:
+                some = close_pairs(first.piece, second.piece, pose, most)
+            own = [one for pair in some for one in _on_both((track, first), (outline, second), pair)]
+            results += own
+            nearest = min([nearest, *(one.gap for one in own if one.gap > 0.0)])
     return sorted(results, key=lambda one: one.gap)
 
 
-def nearest_on_elements(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[Contact]:
-    """Those of `common_normals` whose point of the track is the nearest to that of the outline: no track is behind."""
-    every = common_normals(track, outline, x, y, theta)
-    return [one for one in every if one.gap >= 0.0 or _is_nearest(track, outline, one, (x, y, theta))]
-
-
-def _between(track: Curve, outline: Curve, first: Element, second: Element, pose: Pose) -> list[Contact]:
-    """The pairs of two elements in a pose, in the curves' parameters."""
-    both = (track, first), (outline, second)
-    if isinstance(first.piece, Corner) and isinstance(second.piece, Corner):
-        return _on_both(*both, _of_corners(first.piece, second.piece, pose))
-    return pairs_from(*both, pose, first_guesses(first.piece, second.piece, *pose))
-
-
-def pairs_from(
-    first: tuple[Curve, Element], second: tuple[Curve, Element], pose: Pose, guesses: list[tuple[float, float]]
+def nearest_on_elements(
+    track: Curve, outline: Curve, x: float, y: float, theta: float, most: float | None = None
 ) -> list[Contact]:
-    """The pairs of nearest points, between the ends of an element of the track and one of the outline, to which
-    Newton's method goes from parameters of both; in the curves' parameters."""
-    results = list[Contact]()
-    for guess in guesses:
-        try:
-            results += _on_both(first, second, find(first[1].piece, second[1].piece, *pose, guess))
-        except DoesNotFit:  # it ends nowhere
-            continue
-    return results
+    """Those of `common_normals` whose point of the track is the nearest to that of the outline: no track is behind."""
+    every = common_normals(track, outline, x, y, theta, most)
+    return [one for one in every if one.gap >= 0.0 or _is_nearest(track, outline, one, (x, y, theta))]
 
 
 def _on_both(first: tuple[Curve, Element], second: tuple[Curve, Element], contact: Contact) -> list[Contact]:
@@ -185,26 +136,11 @@ def _is_nearest(track: Curve, outline: Curve, contact: Contact, pose: Pose) -> b
     most = abs(contact.gap) - SAME_PLACE * (abs(px) + abs(py) + sizes_of(outline).reach)
     if len(track.elements) == 1 and track.features is None:
         return True
-    least = _element_points(track).least(px, py) if len(track.elements) > 1 else np.zeros(1)
-    return all(_distance(track.elements[i].piece, px, py) >= most for i in np.flatnonzero(least < most).tolist())
-
-
-def _distance(piece: Piece, x: float, y: float) -> float:
-    """How far a point is from a piece, m."""
-    if isinstance(piece, Corner):
-        return hypot(piece.x - x, piece.y - y)
-    point, ends = Corner(x, y, 0.0, 0.0), piece.ends or (-inf, inf)
-    guess = nearest_samples(piece, point, 0.0, 0.0, 0.0)[0] if piece.features else (0.5 * sum(piece.span), 0.0)
-    try:
-        s = find(piece, point, 0.0, 0.0, 0.0, guess).xi1
-    except DoesNotFit:  # an end
-        s = guess[0]
-    u, v = piece.point(min(max(s, ends[0]), ends[1]))
-    return hypot(u - x, v - y)
+    return bool(np.hypot(*(track.point(nearest_on(track, px, py)) - (px, py))) >= most)
 
 
 @lru_cache(maxsize=64)
 def _element_points(chain: Chain) -> _ElementPoints:
     points = np.array([one.piece.point(np.linspace(*one.span, ELEMENT_POINTS)).T for one in chain.elements])
-    longest = np.sqrt(squares(points[:, 1:], points[:, :-1]).max(axis=1))
+    longest = np.hypot(*np.diff(points, axis=1).T).T.max(axis=1)
     return _ElementPoints(points, longest)

@@ -9,19 +9,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import ceil, floor, log2, pi
+from math import ceil, floor, log2
 from typing import NamedTuple
 
 import numpy as np
 
 from ..curves import Curve
 from ..curves.chain import Chain
-from ..curves.corner import Corner
 from ..curves.outline import sizes_of
 from ..formulas.features import union
+from .close_pairs import nearest_on
 from .geometry import Contact
 from .nearest import contacts, nearest_pair
-from .nearest_samples import nearest_samples
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720
@@ -38,8 +37,6 @@ ROUNDING = 1e-12
 # An overlap below this part of the plates' size and place is the error of a motion that begins again in one of its
 # states, and the plates touch: three times the largest in 60 motions of several plates at the default tolerance.
 OVERLAPS = 1e-9
-# A point of a plate: its origin.
-CENTRE = Corner(0.0, 0.0, 0.0, pi)
 
 
 class SeenPolygon(NamedTuple):
@@ -135,7 +132,7 @@ def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: flo
     """
     if isinstance(track, Chain) or isinstance(outline, Chain) or not outline.period:
         return None
-    contact = nearest_pair(track, outline, x, y, theta, xi1)
+    contact = nearest_pair(track, outline, x, y, theta)
     rounding = ROUNDING * (abs(x) + abs(y) + sizes_of(outline).reach)
     return contact if contact is not None and contact.gap < -rounding else None
 
@@ -143,7 +140,7 @@ def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: flo
 def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
     """Whether a plate in a pose overlaps a curve, on whose left it belongs, by more than the error of a motion. Raises
     DoesNotFit if the nearest points are not found."""
-    near = nearest_samples(curve, CENTRE, x, y, theta)[0][0]
+    near = nearest_on(curve, x, y)
     if not (curve.features is None and curve.domain is None and not isinstance(curve, Chain)):
         pose = (np.array([value]) for value in (x, y, theta, near))
         if first_overlap(curve, outline, *pose) is not None:

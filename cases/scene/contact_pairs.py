@@ -14,13 +14,12 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ..contact import find
-from ..contact.nearest_samples import nearest_samples
+from ..contact.close_pairs import close_pairs, nearest_on
 from ..contact.outline_features import ArcRange, arc_ranges, features, side_ranges, sides
 from ..curves import Curve
 from ..curves.chain import Chain
 from ..curves.corner import Corner, Edge, turning
 from ..curves.line_or_circle import as_line
-from ..errors import DoesNotFit
 from .case_class import Case
 from .case_part import CasePart, with_outline
 from .contact_names import FIRST
@@ -67,11 +66,13 @@ class PairCase(CasePart):
         if isinstance(feature, Edge):
             return self._beside_edge(feature, x, y, theta)
         if line is None or self.track.domain is not None:
-            centre = self.centre
+            centre, middle = self.centre, 0.5 * sum(feature.span)
+            if centre is None and (some := close_pairs(self.track, feature, (x, y, theta))):
+                return some[0][:2]
+            u, v = (centre.x, centre.y) if centre is not None else (0.0, 0.0)
+            xi1 = nearest_on(self.track, x + c * u - s * v, y + s * u + c * v)
             if isinstance(feature, Corner) or centre is None:
-                return nearest_samples(self.track, feature, x, y, theta)[0]
-            xi1, _ = nearest_samples(self.track, centre, x, y, theta)[0]
-            middle = 0.5 * sum(feature.span)
+                return xi1, middle
             turn = float(self.track.tangent_angle(xi1)) - theta - float(feature.tangent_angle(middle))
             return xi1, middle + (turn - 2.0 * pi * round(turn / (2.0 * pi))) / turning(feature, middle)
         angle = float(np.arctan2(line.direction[1], line.direction[0])) - theta
@@ -195,13 +196,9 @@ class PairCase(CasePart):
     def touching_points(self, x: float, y: float, theta: float) -> list[tuple[float, float]]:
         """Parameters of all pairs of nearest points without a gap in a pose, on the support and inside its ends."""
         points = list[tuple[float, float]]()
-        for near in nearest_samples(self.track, self.plate.outline, x, y, theta):
-            try:
-                xi1, xi2, gap = find(self, x, y, theta, near)
-            except DoesNotFit:  # far away
-                continue
-            low, high = self.track.domain or (-inf, inf)
-            if abs(gap) > TOUCHES * (abs(x) + abs(y) + self.whole.plate.reach) or not low <= xi1 <= high:
+        least, (low, high) = TOUCHES * (abs(x) + abs(y) + self.whole.plate.reach), self.track.domain or (-inf, inf)
+        for xi1, xi2, gap in close_pairs(self.track, self.plate.outline, (x, y, theta), least):
+            if abs(gap) > least or not low <= xi1 <= high:
                 continue
             places = [self.track.point(one) for one, _ in points]
             if all(np.hypot(*(place - self.track.point(xi1))) > APART * self.plate.reach for place in places):

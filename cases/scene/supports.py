@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ..contact.close_pairs import nearest_on
 from ..contact.geometry import bends
-from ..contact.nearest_samples import nearest_samples
-from ..contact.overlap_search import CENTRE
 from ..curves import Curve
 from ..curves.line_or_circle import as_line
 from ..effects import CoulombFriction, Effect, Impact, RollingResistance
@@ -114,7 +113,7 @@ def is_hill(curve: Curve) -> bool:
 def check_side(support: Support, who: str, x: float, y: float) -> None:
     """Raise DoesNotFit for a plate whose centre lies on the right of a support, where it would go through."""
     curve = support.curve
-    near = nearest_samples(curve, CENTRE, x, y, 0.0)[0][0]
+    near = nearest_on(curve, x, y)
     is_end = curve.ends is not None and near in curve.ends
     away = np.array([x, y]) - curve.point(near)
     if not is_end and float(away @ curve.normal(near)) < -BEHIND * float(np.hypot(*away)):

@@ -14,9 +14,7 @@ import numpy as np
 
 from cases import Case, Curve
 from cases.curves.corner import Corner, Piece
-
-from ..scales import EPS
-from .curve_pieces import (
+from cases.curves.curve_pieces import (
     ABOVE,
     AHEAD,
     BACK,
@@ -34,6 +32,8 @@ from .curve_pieces import (
     Y,
     piece_bounds,
 )
+
+from ..scales import EPS
 from .windows import Windows
 
 # Roundings in the gap, which is computed from places in some tens of operations.

@@ -14,10 +14,10 @@ import numpy as np
 from cases import Curve
 from cases.contact.geometry import angle_on
 from cases.curves.corner import Corner
+from cases.curves.curve_pieces import Pieces, ReversedPieces
 from cases.scene.piece_case import PieceCase
 
 from .boxes import Cores, Geometry
-from .curve_pieces import Pieces, ReversedPieces
 from .gap import facing
 from .meetings import Meeting, MeetingSearch
 from .windows import DEGREE, Windows, windows

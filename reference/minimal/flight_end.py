@@ -10,6 +10,7 @@ import numpy as np
 
 from cases import Case, Impact
 from cases.contact import pose
+from cases.curves.curve_pieces import TooMuch
 
 from ..effect_laws.restitution import creates_energy
 from ..endings import (
@@ -22,7 +23,6 @@ from ..endings import (
 from ..scales import MOST_STEPS, frequency
 from .bouncing import Bounces, is_unresolved
 from .contact_end import Step, breakdown, contact_step, free_quantities, own_lift
-from .curve_pieces import TooMuch
 from .impact import collide, energy, law_of
 from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings

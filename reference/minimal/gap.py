@@ -17,8 +17,8 @@ from numpy.polynomial import Chebyshev
 
 from cases import Case, Curve, DoesNotFit
 from cases.contact import Contact, find
+from cases.curves.curve_pieces import TooMuch
 
-from .curve_pieces import TooMuch
 from .impact import ContactVelocity
 from .integrators.segment import Segment
 

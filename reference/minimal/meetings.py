@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases.curves.curve_pieces import HIGH, LOW, REACH, TooMuch, X, Y
+
 from ..scales import EPS
 from .boxes import Bounds, Boxes, Cores, Geometry
-from .curve_pieces import HIGH, LOW, REACH, TooMuch, X, Y
 from .windows import Windows
 
 # Work is counted in boxes that are bounded and divided among many others, about 3 µs each. A round takes as long as so

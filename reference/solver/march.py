@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cases import Case, DoesNotFit, Transition
+from cases.curves.curve_pieces import TooMuch
 from cases.motion.trajectory import CONTACT
 from cases.scene.contact_limits import is_general_case, touches_by_features
 from cases.scene.piece_case import has_pieces
@@ -23,7 +24,6 @@ from ..endings import (
     undecidable,
     work_limit_ending,
 )
-from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import Regime

@@ -9,7 +9,9 @@ from typing import cast
 import numpy as np
 
 from cases import Case, Chain, Curve, DoesNotFit
-from cases.contact.element_pairs import first_guesses, may_touch
+from cases.contact import Contact
+from cases.contact.close_pairs import close_pairs
+from cases.contact.element_pairs import may_touch
 from cases.contact.geometry import bends, clearance, find
 from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
@@ -62,11 +64,7 @@ def touching_contacts(
         for pair in pairs_that_touch(couple):
             if not _is_near(pair.first, x, y, couple.plate.reach):
                 continue
-            for near in _guesses(pair, x, y, theta):
-                try:
-                    at = find(*pair.pieces, x, y, theta, near)
-                except DoesNotFit:  # far away
-                    continue
+            for at in _close_pairs(pair, (x, y, theta), least):
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
                     continue
                 if clearance(*pair.pieces, at.xi1, at.xi2) < 0.0:  # the gap is a largest one, next to an inflection
@@ -104,11 +102,14 @@ def _is_near(element: Element, x: float, y: float, reach: float) -> bool:
     return bool((np.hypot(points[0] - x, points[1] - y)).min() <= 1.001 * reach + 2.0 * sides.max())
 
 
-def _guesses(pair: PieceCase, x: float, y: float, theta: float) -> list[tuple[float, float]]:
-    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+def _close_pairs(pair: PieceCase, pose: tuple[float, float, float], most: float) -> list[Contact]:
+    """The pairs of points of two elements with a common normal and a gap of at most that, m; perhaps others."""
     if some := shapes(pair):
-        return [guess(pair, some, x, y, theta)]
-    return first_guesses(track, outline, x, y, theta)
+        try:
+            return [find(*pair.pieces, *pose, guess(pair, some, *pose))]
+        except DoesNotFit:  # far away
+            return []
+    return close_pairs(*cast(tuple[Piece, Piece], pair.pieces), pose, most)
 
 
 def name_of(pair: PieceCase, used: set[str]) -> str:

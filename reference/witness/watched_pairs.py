@@ -74,7 +74,7 @@ def watched_pairs(couple: Couple, poses: np.ndarray) -> list[tuple[PieceCase, tu
     if isinstance(outline, Chain) and couple.base is None:
         corners = [element for element in outline.elements if isinstance(element.piece, Corner)]
         return [(piece_case_of(couple, 0, e.number), (float(track.span[0]), e.middle)) for e in corners]
-    one = nearest_pair(track, outline, *couple.relative_pose(poses), float(sum(track.span)) / 2.0)
+    one = nearest_pair(track, outline, *couple.relative_pose(poses))
     assert one is not None
     pair = piece_case_of(couple, track.element_at(one.xi1).number, outline.element_at(one.xi2).number)
     return [(pair, (one.xi1 - pair.first.shift, one.xi2 - pair.second.shift))]

@@ -1,4 +1,4 @@
-"""Which sample of a curve is nearest: the same as by looking at all of them."""
+"""The nearest points of smooth curves: far away, and on ripples."""
 
 import numpy as np
 import pytest
@@ -6,21 +6,6 @@ import pytest
 import reference
 from cases import Case, Curve, Flight, Gravity, Plate, Start, Unilateral, disc, library
 from cases.contact.nearest import nearest
-from cases.curves.curve_samples import SampleStretches
-
-
-@pytest.mark.parametrize("count", [1, 2, 17, 720, 5000])
-@pytest.mark.parametrize("far", [0.1, 1.0, 1e8])
-def test_stretches_find_the_nearest_of_all_samples(count, far):
-    random = np.random.default_rng(count)
-    s = np.linspace(0.0, 6.0, count)
-    samples = np.column_stack([np.cos(s), 0.7 * np.sin(3 * s)])
-    there = random.normal(size=(40, 2)) * far
-    found = SampleStretches.of(samples).nearest(there)
-    apart = np.hypot(*(there[:, None] - samples).T)
-    np.testing.assert_allclose(apart[found, range(40)], apart.min(axis=0), rtol=1e-14)
-    if far <= 1.0:  # from far away all are equally near, to rounding
-        np.testing.assert_array_equal(found, apart.argmin(axis=0))
 
 
 @pytest.mark.parametrize("speed", [1e3, 1e17, 1e30])

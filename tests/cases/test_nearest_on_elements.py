@@ -53,7 +53,7 @@ def sampled_gap(track, outline, x, y, theta):
 def test_no_sample_of_an_outline_is_nearer_to_a_track_than_its_nearest_pair(track, plate, x, height, theta):
     curve, outline = TRACKS[track], PLATES[plate].outline
     pose = x, {"bowl": 0.7 * (height - 0.6), "hill": height + 0.2}.get(track, height), theta
-    pair = nearest_pair(curve, outline, *pose, 0.0)
+    pair = nearest_pair(curve, outline, *pose)
     gap, error = sampled_gap(curve, outline, *pose)
     # Distances of samples are too large: of an outline's point over the track, and below it the other way.
     assert gap - error <= pair.gap <= gap + (1e-12 if gap > 0.0 else error)
@@ -73,12 +73,12 @@ def test_the_gap_of_an_overlap_is_that_of_the_deepest_corner(track, turn, depth)
     theta = float(curve.tangent_angle(s)) + turn
     reach = 0.15 * abs(np.sin(turn)) + 0.1 * np.cos(turn)
     x, y = curve.point(s) + (reach - depth) * curve.normal(s)
-    assert nearest_pair(curve, outline, x, y, theta, 0.0).gap == pytest.approx(-depth, abs=1e-14)
+    assert nearest_pair(curve, outline, x, y, theta).gap == pytest.approx(-depth, abs=1e-14)
 
 
 def test_there_is_no_nearest_pair_beyond_the_ends_of_a_track():
     table = Chain.polyline([(-1.0, 0.0), (0.0, 0.0)])
-    assert nearest_pair(table, PLATES["box"].outline, 0.5, 0.1, 0.3, -0.5) is None
+    assert nearest_pair(table, PLATES["box"].outline, 0.5, 0.1, 0.3) is None
 
 
 def test_each_place_of_a_box_in_a_groove_is_a_contact():

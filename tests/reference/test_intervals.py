@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import cases
 from cases import Chain, Curve
-from reference.minimal import curve_pieces as pieces
-from reference.minimal.curve_pieces import piece_bounds
-from reference.minimal.intervals import Interval, bounds
+from cases.curves import curve_pieces as pieces
+from cases.curves.curve_pieces import piece_bounds
+from cases.formulas.intervals import Interval, bounds
 
 INSIDE = np.linspace(0.0, 1.0, 41)[:, None]
 

@@ -7,11 +7,12 @@ only for the rest of a search: so the limit on the work of a motion does not dep
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from cases import Curve
-
-from .intervals import Interval, bounds
+from ..formulas.intervals import Interval, bounds
+from . import Curve
 
 # Rows of a table of pieces: the parameter's range; the middle's place and unit tangent; how far the piece reaches from
 # there along the tangent and along the left normal; by how much its tangent turns from the middle's at most (rad); its
@@ -31,7 +32,7 @@ class TooMuch(Exception):
 class Pieces:
     """The pieces of one curve. A piece is a number; its bounds are a column of `table`."""
 
-    def __init__(self, curve: Curve):
+    def __init__(self, curve: Any):
         self.curve = curve
         self._table = np.empty((ROWS, 64))
         self._halves = np.full(64, -1)
@@ -50,6 +51,11 @@ class Pieces:
 
     def _bounds(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         return piece_bounds(self.curve, low, high)
+
+    @property
+    def count(self) -> int:
+        """The number of all pieces so far."""
+        return self._count
 
     @property
     def roots(self) -> np.ndarray:
@@ -122,6 +128,26 @@ class Pieces:
         return numbers
 
 
+class OnePiece:
+    """A corner, or a straight curve, in one piece."""
+
+    def __init__(self, piece: Any):
+        low, high = (np.array([end]) for end in piece.span)
+        table, middle = np.zeros((ROWS, 1)), 0.5 * (low + high)
+        table[[LOW, HIGH]], table[[X, Y]], table[[TX, TY]] = (low, high), piece.point(middle), piece.tangent(middle)
+        bend = piece.curvature(middle)
+        if np.isinf(bend).all():
+            table[TURN], table[[BEND_LOW, BEND_HIGH]] = 0.5 * (high - low), bend
+        else:
+            reach = 0.5 * piece.speed(middle) * (high - low) if piece.ends else np.inf
+            table[BACK], table[[AHEAD, REACH]] = -reach, reach
+        self._table, self.roots, self.count = table, np.array([0]), 1
+
+    def table(self, some: np.ndarray) -> np.ndarray:
+        """Its bounds, so many times."""
+        return self._table[:, some]
+
+
 class ReversedPieces(Pieces):
     """The same for a curve run through backwards, so that its right side becomes its left: an outline as seen from
     outside. Its parameter is that of the curve with the opposite sign."""
@@ -136,11 +162,18 @@ class ReversedPieces(Pieces):
         return -high, -low
 
     def _bounds(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        table = piece_bounds(self.curve, -high, -low)
-        table[[LOW, HIGH, TX, TY]] = low, high, -table[TX], -table[TY]
-        for one, other in ((BACK, AHEAD), (BELOW, ABOVE), (BEND_LOW, BEND_HIGH)):
-            table[[one, other]] = -table[[other, one]]
+        table = reversed_bounds(piece_bounds(self.curve, -high, -low))
+        table[[LOW, HIGH]] = low, high
         return table
+
+
+def reversed_bounds(table: np.ndarray) -> np.ndarray:
+    """The bounds on pieces that are run through backwards."""
+    table = table.copy()
+    table[[TX, TY]] = -table[[TX, TY]]
+    for one, other in ((BACK, AHEAD), (BELOW, ABOVE), (BEND_LOW, BEND_HIGH)):
+        table[[one, other]] = -table[[other, one]]
+    return table
 
 
 def _split(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]:
