@@ -80,6 +80,20 @@ def pieces_of(piece: Piece) -> Pieces | OnePiece:
     return result
 
 
+@lru_cache(maxsize=256)
+def circles_around(curve: Curve) -> np.ndarray:
+    """Circles (x, y, r) around the elements of a curve, (3, elements); of infinite radius without ends, m."""
+    rows = list[tuple[float, float, float]]()
+    for element in curve.elements:
+        pieces = pieces_of(element.piece)
+        table = pieces.table(pieces.roots)
+        x, y = (float(row.mean()) for row in (table[X], table[Y]))
+        is_endless = element.piece.ends is None and not element.piece.period
+        radius = inf if is_endless else float((np.hypot(table[X] - x, table[Y] - y) + table[REACH]).max())
+        rows.append((x, y, radius))
+    return np.array(rows).T
+
+
 def close_pairs(track: Piece, outline: Piece, pose: Pose, most: float | None = None) -> list[Contact]:
     """The pairs of points of two elements with a common normal in a pose, and a smaller gap than next to them, the
     nearest first: all with a gap (m, signed) of at most `most`, or, with None, all that may be the nearest."""

@@ -7,9 +7,7 @@ direction to the other point is in its angle. Of each two elements the pairs are
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from math import atan2, cos, hypot, inf, pi, sin
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,26 +16,12 @@ from ..curves.chain import Chain
 from ..curves.corner import Corner, Piece
 from ..curves.element import Element
 from ..curves.outline import sizes_of
-from .close_pairs import Pose, close_pairs, nearest_on
+from .close_pairs import Pose, circles_around, close_pairs, nearest_on
 from .geometry import EPS, Contact, angle_on, bends
 
-# Points of an element of a chain, which say how near it may be.
-ELEMENT_POINTS = 33
 # A place beyond the end of an element by this part of its width, or of a corner's angle by this, rad, is a rounding's;
 # lengths differ by one within it, in parts of the plate's size and place.
 SAME_PLACE = 1e-12
-
-
-class _ElementPoints(NamedTuple):
-    """Points of the elements of a chain (elements, ELEMENT_POINTS, 2), and the distance of the farthest two next to
-    each other of each element, m (elements,)."""
-
-    points: np.ndarray
-    spacings: np.ndarray
-
-    def least(self, x: float, y: float) -> np.ndarray:
-        """What the elements are away from a point at least, m."""
-        return np.hypot(*(self.points - (x, y)).T).T.min(axis=1) - self.spacings
 
 
 def may_touch(track: Piece, outline: Piece, bounds: Callable[[Piece], tuple[float, float]] = bends) -> bool:
@@ -65,9 +49,8 @@ def common_normals(
     the ends of both, the one with the smallest gap (m, signed) first: all with a gap of at most `most`, or, with None,
     all that may be the nearest, and others."""
     pose, results, nearest = (x, y, theta), list[Contact](), inf
-    elements, least = track.elements, np.zeros(1)
-    if len(elements) > 1:
-        least = _element_points(track).least(x, y) - sizes_of(outline).reach
+    elements, (u, v, radius) = track.elements, circles_around(track)
+    least = np.hypot(u - x, v - y) - radius - sizes_of(outline).reach
     for number in np.argsort(least):
         first = elements[number]
         if least[number] > (nearest if most is None else most):
@@ -137,10 +120,3 @@ def _is_nearest(track: Curve, outline: Curve, contact: Contact, pose: Pose) -> b
     if len(track.elements) == 1 and track.features is None:
         return True
     return bool(np.hypot(*(track.point(nearest_on(track, px, py)) - (px, py))) >= most)
-
-
-@lru_cache(maxsize=64)
-def _element_points(chain: Chain) -> _ElementPoints:
-    points = np.array([one.piece.point(np.linspace(*one.span, ELEMENT_POINTS)).T for one in chain.elements])
-    longest = np.hypot(*np.diff(points, axis=1).T).T.max(axis=1)
-    return _ElementPoints(points, longest)

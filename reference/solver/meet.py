@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 
 from cases import Case, DoesNotFit
+from cases.contact.close_pairs import circles_around
 from cases.contact.geometry import clearance, find
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple, couples
@@ -34,8 +35,6 @@ from .touching import SAME_PLACE, bend_bounds, inside, pairs_that_touch
 AT_FLAT = 0.1
 # Plates move between two samples by at most this many times what their speeds there say.
 FASTER = 2.0
-# Points of an element that say where it is.
-ON_ELEMENT = 17
 # Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
 FEW = 8
 # After each step at most so many pairs of a couple are looked at that were clearly apart: from this part of the plate's
@@ -221,27 +220,9 @@ class CoupleSearch:
         """Which elements of the boundary the plate may reach on its way, given by poses (3, n) between which it moves
         by a part of its size."""
         steps = np.hypot(*np.diff(places[:2], axis=1)).max(initial=0.0)
-        x, y, radius = self._circles
+        x, y, radius = circles_around(self.couple.track)
         away = np.hypot(x[:, None] - places[0], y[:, None] - places[1]).min(axis=1)
         return np.asarray(~(away > radius + self.couple.plate.reach + FASTER * steps))
-
-    @cached_property
-    def _circles(self) -> np.ndarray:
-        """Circles (x, y, r) around the elements of the boundary, (3, elements); of infinite radius without ends."""
-        rows = list[tuple[float, float, float]]()
-        for element in self.couple.track.elements:
-            piece = element.piece
-            if isinstance(piece, Corner):
-                rows.append((piece.x, piece.y, 0.0))
-                continue
-            if piece.ends is None and not piece.period:
-                rows.append((0.0, 0.0, inf))
-                continue
-            points = piece.point(np.linspace(*element.span, ON_ELEMENT))
-            x, y = points.mean(axis=1)
-            between = np.hypot(*np.diff(points, axis=1)).max()
-            rows.append((float(x), float(y), float(np.hypot(points[0] - x, points[1] - y).max() + between)))
-        return np.array(rows).T
 
     def _first_of_shapes(
         self, quick: Sequence[tuple[PieceCase, Shapes]], poses: Poses, edges: np.ndarray,

@@ -8,14 +8,13 @@ from typing import cast
 
 import numpy as np
 
-from cases import Case, Chain, Curve, DoesNotFit
+from cases import Case, Chain, DoesNotFit
 from cases.contact import Contact
-from cases.contact.close_pairs import close_pairs
+from cases.contact.close_pairs import circles_around, close_pairs
 from cases.contact.element_pairs import may_touch
 from cases.contact.geometry import bends, clearance, find
 from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
-from cases.curves.element import Element
 from cases.scene.couples import Couple, couples
 from cases.scene.piece_case import PieceCase, piece_case_of
 from cases.scene.supports import is_straight
@@ -26,8 +25,6 @@ from .plate_numbers import size
 from .regimes import AT_END
 from .shapes import guess, shapes
 
-# Points of an element that say where it is.
-FEW = 17
 # Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this: curves
 # whose curvatures differ by a thousandth of 1/reach are apart by less than a pose's rounding there.
 SAME_PLACE = 1e-5
@@ -61,8 +58,10 @@ def touching_contacts(
     for couple in couples(case):
         x, y, theta = (float(v) for v in couple.relative_pose(poses))
         places = list[np.ndarray]()
+        u, v, radius = circles_around(couple.track)
+        is_near = np.hypot(u - x, v - y) <= radius + 1.001 * couple.plate.reach
         for pair in pairs_that_touch(couple):
-            if not _is_near(pair.first, x, y, couple.plate.reach):
+            if not is_near[pair.first.number]:
                 continue
             for at in _close_pairs(pair, (x, y, theta), least):
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
@@ -91,15 +90,6 @@ def inside(pair: PieceCase, xi1: float, xi2: float, turn: float = AT_END) -> boo
         if not low - error <= s <= high + error:
             return False
     return True
-
-
-def _is_near(element: Element, x: float, y: float, reach: float) -> bool:
-    piece = element.piece
-    if isinstance(piece, Corner) or piece.domain is None:
-        return isinstance(piece, Curve) or float(np.hypot(piece.x - x, piece.y - y)) <= 1.001 * reach
-    points = piece.point(np.linspace(*element.span, FEW))
-    sides = np.hypot(*np.diff(points, axis=1))
-    return bool((np.hypot(points[0] - x, points[1] - y)).min() <= 1.001 * reach + 2.0 * sides.max())
 
 
 def _close_pairs(pair: PieceCase, pose: tuple[float, float, float], most: float) -> list[Contact]:
