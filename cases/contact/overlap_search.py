@@ -20,7 +20,7 @@ from ..curves.outline import sizes_of
 from ..formulas.features import union
 from .close_pairs import nearest_on
 from .geometry import Contact
-from .nearest import contacts, nearest_pair
+from .nearest import nearest_pair
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720
@@ -138,18 +138,13 @@ def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: flo
 
 
 def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
-    """Whether a plate in a pose overlaps a curve, on whose left it belongs, by more than the error of a motion. Raises
-    DoesNotFit if the nearest points are not found."""
-    near = nearest_on(curve, x, y)
-    if not (curve.features is None and curve.domain is None and not isinstance(curve, Chain)):
-        pose = (np.array([value]) for value in (x, y, theta, near))
+    """Whether a plate in a pose overlaps a curve, on whose left it belongs, by more than the error of a motion."""
+    if isinstance(curve, Chain) or curve.features is not None or curve.domain is not None:
+        pose = (np.array([value]) for value in (x, y, theta, nearest_on(curve, x, y)))
         if first_overlap(curve, outline, *pose) is not None:
             return True
-    least = OVERLAPS * (abs(x) + abs(y) + sizes_of(outline).reach)
-    if outline.period and not isinstance(curve, Chain) and not isinstance(outline, Chain):
-        deepest = deepest_overlap(curve, outline, x, y, theta, near)
-        return deepest is not None and deepest.gap < -least
-    return any(one.gap < -least for one in contacts(curve, outline, x, y, theta))
+    pair = nearest_pair(curve, outline, x, y, theta)
+    return pair is not None and pair.gap < -OVERLAPS * (abs(x) + abs(y) + sizes_of(outline).reach)
 
 
 @lru_cache(maxsize=64)
