@@ -19,8 +19,8 @@ def meetings(samples: MotionSamples, plates: PlatesNow, t: float) -> list[TouchN
     """The nearest points of all pairs of curves at one instant, contacts or not."""
     poses, result = np.column_stack([plates.place.real, plates.place.imag, plates.angle]).ravel(), list[TouchNow]()
     for couple in couples(samples.case):
-        law, pose = law_at(samples.case, couple.pair_name), map(float, couple.relative_pose(poses))
-        curves = couple.track, couple.plate.outline
-        for xi1, xi2, _ in nearest_on_elements(*curves, *pose, NEAR * couple.plate.reach):
+        law, (x, y, theta) = law_at(samples.case, couple.pair_name), map(float, couple.relative_pose(poses))
+        track, plate = couple.track, couple.plate
+        for xi1, xi2, _ in nearest_on_elements(track, plate.outline, x, y, theta, NEAR * plate.reach):
             result.append(touch(samples.case, law, Mode.FLIGHT, plates, couple.whole_xi1(xi1), xi2, t))
     return result
