@@ -289,7 +289,7 @@ def _integral(expression: sp.Integral, nodes: dict[sp.Basic, Node]) -> Node:
     formula, bound = _from_sympy(expression.function, nodes), symbol(variable.name)
     constants = tuple(sorted(formula.symbols - {bound}, key=lambda constant: constant.name))
     integrand = _Integrand(bound, formula, constants)
-    name = next((name for name, known in INTEGRANDS.items() if known == integrand), f"{INTEGRAL}{len(INTEGRANDS)}")
+    name = next((name for name, one in INTEGRANDS.items() if one == integrand), f"{INTEGRAL}{len(INTEGRANDS)}")
     INTEGRANDS[name] = integrand
     return call(name, _from_sympy(upper, nodes), _from_sympy(lower, nodes), *constants)
 

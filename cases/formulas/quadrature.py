@@ -115,7 +115,7 @@ def integral_function(integrand: Callable) -> Callable:
         if any(np.ndim(number) for number in numbers):
             rows = np.broadcast_arrays(x, *numbers)
             return np.array([value(*row) for row in np.array(rows).T.tolist()])
-        known = table(float(start), tuple(map(float, constants)))
-        return known.array(np.asarray(x)) if np.ndim(x) else known.number(float(x))
+        integral = table(float(start), tuple(map(float, constants)))
+        return integral.array(np.asarray(x)) if np.ndim(x) else integral.number(float(x))
 
     return value

@@ -37,7 +37,7 @@ class SegmentView:
     gap: Callable[[int, np.ndarray], np.ndarray]
     resting: frozenset[int]
     partings: tuple[PieceCase, ...] = ()
-    known: dict[tuple[int, bytes], tuple[Cores, np.ndarray]] = field(default_factory=dict)
+    cache: dict[tuple[int, bytes], tuple[Cores, np.ndarray]] = field(default_factory=dict)
 
     @property
     def start(self) -> float:
@@ -48,14 +48,14 @@ class SegmentView:
         """The surroundings of contact k in windows of time (2, m), and which of them shorter windows may still prove
         (m,)."""
         key = k, ends.tobytes()
-        if key not in self.known:
+        if key not in self.cache:
             times, size = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel(), (-1, len(PLACES))
             places = self.points(k, times).reshape(2, *size)
             low, high = places.min(axis=2), places.max(axis=2)
             more, gap = BEYOND * (high - low), self.gap(k, times).reshape(size).max(axis=1)
             xi1, xi2 = zip(low - more, high + more, strict=True)
-            self.known[key] = cores(self.pairs[k], np.array(xi1), np.array(xi2), np.maximum(gap, 0.0))
-        return self.known[key]
+            self.cache[key] = cores(self.pairs[k], np.array(xi1), np.array(xi2), np.maximum(gap, 0.0))
+        return self.cache[key]
 
     def provable(self, k: int, edges: np.ndarray) -> np.ndarray:
         """The times, and times between them, such that contact k is proven to be the only one in its surroundings: a
@@ -63,19 +63,19 @@ class SegmentView:
         ends = np.array([edges[:-1], edges[1:]])
         around, unproven = self.cores(k, ends)
         for _ in range(HALVINGS):
-            halved = unproven & (ends[1] - ends[0] > 64 * EPS * np.abs(ends[1]))
-            if not halved.any():
+            wide = unproven & (ends[1] - ends[0] > 64 * EPS * np.abs(ends[1]))
+            if not wide.any():
                 break
-            start, end = ends[:, halved]
+            start, end = ends[:, wide]
             middle = 0.5 * (start + end)
             parts = np.array([np.append(start, middle), np.append(middle, end)])
             halves, still = self.cores(k, parts)
-            ends = np.append(ends[:, ~halved], parts, axis=1)
-            around = Cores(*(np.append(old[:, ~halved], new, axis=1) for old, new in zip(around, halves, strict=True)))
-            unproven = np.append(unproven[~halved], still)
+            ends = np.append(ends[:, ~wide], parts, axis=1)
+            around = Cores(*(np.append(old[:, ~wide], new, axis=1) for old, new in zip(around, halves, strict=True)))
+            unproven = np.append(unproven[~wide], still)
         order = np.argsort(ends[0], kind="stable")
         ends = ends[:, order]
-        self.known[k, ends.tobytes()] = Cores(*(each[:, order] for each in around)), unproven[order]
+        self.cache[k, ends.tobytes()] = Cores(*(each[:, order] for each in around)), unproven[order]
         return np.append(ends[0], ends[1, -1])
 
 
