@@ -155,9 +155,3 @@ def _compare(seeds) -> dict[str, int]:
 def test_both_formulations_agree_at_random_states_of_two_bodies():
     counts = _compare(range(60))
     assert counts["one"] > 50 and counts["open"] > 5, counts
-
-
-@pytest.mark.slow
-def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
-    counts = _compare(range(2000))
-    assert counts["one"] > 1800 and counts["open"] > 100, counts

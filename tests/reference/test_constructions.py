@@ -8,14 +8,13 @@ import sympy as sp
 from scipy.special import ellipeinc, ellipkinc, erf, fresnel
 
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, NotSupported, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Gravity, NotSupported, Plate, Start, Unilateral, disc
 from cases.constructions import natural, piecewise, polar
 from cases.curves import cos, exp, integral, sin
 from cases.library import line
 from tests.scenes import second as second_states
 
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
-AIR = (*GRIP, Flight(), Impact(0.3))
 
 
 def agree(case, bound=1e-11):
@@ -110,10 +109,3 @@ def test_a_disc_rolls_onto_an_arc_where_the_curvature_jumps():
     assert after.normal_force == pytest.approx(9.81 + v**2 / 0.4, rel=1e-6)
     assert after.omega == pytest.approx(before.omega, abs=1e-7) and after.slip == before.slip == 0.0
     assert not motion.transitions
-
-
-@pytest.mark.sampled(5)
-@pytest.mark.parametrize("start", [Start(0.3, omega=-15.0), Start(1.5), Start(1.0)], ids=["roll", "fall", "at joint"])
-@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["rising", "falling"])
-def test_both_formulations_agree_where_pieces_join(start, sign):
-    agree(Case(ramp_and_arc(sign=sign), disc(0.1, 1.0), AIR, start, 1.2))

@@ -88,9 +88,3 @@ QUICK = (*range(10), 19, 21)
 @pytest.mark.parametrize("seed", QUICK)
 def test_random_lifted_plates(seed):
     check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", sorted({*range(300)} - {*QUICK}))
-def test_more_random_lifted_plates(seed):
-    check(seed)

@@ -26,9 +26,3 @@ CANCELS = [2474928864 + k for k in (15, 21, 47, 107, 137, 199)]
 @pytest.mark.parametrize("seed", [*range(10), *TOUCHES_BOUND, *CANCELS])
 def test_random_scenes_in_other_units(seed):
     check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10, 200))
-def test_more_random_scenes_in_other_units(seed):
-    check(seed)

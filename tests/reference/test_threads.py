@@ -14,7 +14,6 @@ from functools import partial
 import pytest
 
 import cases
-from reference.solve import METHODS
 from tests.scenes import bits
 
 pytestmark = pytest.mark.taylor
@@ -81,13 +80,6 @@ def test_threads_that_derive_everything_at_once(tmp_path):
     )  # fmt: skip
     alone = {label: bits.of_label(label) for label in labels}
     assert [label for label, answer in json.loads(run.stdout) if answer != alone[label]] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
-def test_the_whole_catalogue_is_the_same_in_threads(method):
-    chosen = [case for name in cases.names() for case in cases.select(name)]
-    same_in_threads([partial(bits.of_case, case, method) for case in chosen], rounds=8 if method == "taylor" else 1)
 
 
 # --- what threads share, part by part ---------------------------------------------------------------------------------
