@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import time
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -166,19 +165,6 @@ def test_points_sets_the_number_of_points_of_exported_curves(tmp_path, monkeypat
     assert errors[251] / errors[1001] == pytest.approx(16.0, rel=1e-3)  # the square of the number of chords
 
 
-def test_points_gives_an_executable_that_many_points(registered):
-    name, case = registered("counts", example()), cases.load(LINE)
-    plan = options.BuildPlan(Path("x"), (), (), (), "full", 1, (), True, points=37, own_engines=(name,))
-    for solver, expected in ((name, 37), ("pymunk", None)):
-        rungs = plan.select_rungs(case.label, solver, "process", lookup.engine(name).ladder(case, "process"))
-        assert {setting.get("points") for setting in rungs} == {expected}
-    setting = plan.select_rungs(case.label, name, "process", lookup.engine(name).ladder(case, "process"))[0]
-    scene = strict(lookup.engine(name).build(case, "process", setting).scene_text)
-    assert (
-        scene["setting"]["points"] == 37 == len(scene["points"]["track"]["x"]) == len(scene["points"]["outline"]["x"])
-    )
-
-
 @pytest.mark.parametrize("text", ["1", "0", "-5", "2.5", "100001", "many", "9" * 400])
 def test_a_number_of_points_out_of_range_is_one_sentence(text):
     with pytest.raises(BadValue, match="give a (whole number from 2 to 100000|finite number|number)$"):
@@ -188,14 +174,6 @@ def test_a_number_of_points_out_of_range_is_one_sentence(text):
 def test_points_without_an_executable_is_one_sentence(capsys):
     assert build.main(["--quick", "--points", "50"]) == 2
     assert capsys.readouterr().err == "reports.build: --points is for executables; give it with --engine FILE\n"
-
-
-def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
-    case = cases.load("bouncing_disc")
-    names, rows = export.motion(export.true_motion(case))
-    assert np.isfinite(rows).all()
-    text = ",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist())
-    assert motion_file.trajectory_of(case, motion_table.parse(text, "motion")).status == "completed"
 
 
 # --- an engine in another language ------------------------------------------------------------------------------------
@@ -252,38 +230,6 @@ def test_every_way_to_fail_is_a_row(registered, text, outcome, word, monkeypatch
     found = row(registered("failing", text))
     assert found.outcome == outcome, found.reason
     assert word in found.reason
-
-
-def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, without_figures):
-    monkeypatch.chdir(tmp_path)
-    left = tmp_path / "left.txt"
-    hung = HEAD + f"echo $$ >> {left}; while true; do sleep 1; done\n"
-    for name, text in (("hung", hung), ("killed", HEAD + "kill -9 $$\n"), ("lying", LIE)):
-        file = tmp_path / name
-        file.write_text(text)
-        file.chmod(0o755)
-    words = ["--quick", "--case", LINE, "--store", "kept", "--solver", "reference", "--engine", "./killed", "./lying"]
-    with without_figures():
-        # What has finished is kept whatever the limit is then: the short one for the hung engine reaches no other run,
-        # however busy the machine is.
-        assert build.main([*words, "--out", "first"]) == 0
-        monkeypatch.setitem(options.RUN_SECONDS, "quick", 6.0)
-        assert build.main([*words, "./hung", "--out", "judged"]) == 0
-    table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
-    outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}
-    assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "answered" in outcomes["lying"]
-    # Nothing of it is left running. What is killed goes when the system gets round to it, and is listed till then.
-    end = time.monotonic() + 10.0
-    while (running := [n for n in left.read_text().split() if _runs(n)]) and time.monotonic() < end:
-        time.sleep(0.1)
-    assert running == []
-
-
-def _runs(number: str) -> bool:
-    try:
-        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
-        return False
 
 
 def test_what_is_no_executable_or_takes_another_engines_name_is_refused(registered, tmp_path):

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, pi
 
 import numpy as np
 import pytest
 
 import cases
 import reference
-from adapters import EngineFailure, engine, gate
-from adapters.common import feature_contacts, motion_file, motion_table, several_contacts
-from cases import Case, Support, Trajectory
-from cases.library import line
+from adapters import EngineFailure, gate
+from adapters.common import feature_contacts, several_contacts
+from cases import Case, Trajectory
 from cases.motion.mechanics import gravity
 from cases.scene.free_plates import names_of, plates_of
-from reports import export
 
 from .engines import play
 
@@ -75,29 +72,6 @@ def test_forces_of_two_closed_contacts_are_unknown(rocking):
         assert np.isnan(columns.normal_force[both]).all() and np.isfinite(columns.normal_force[~both]).all()
 
 
-@pytest.mark.parametrize("name", ["disc_in_circle", "disc_in_parabola", "tightest_fit"])
-def test_a_disc_that_fits_everywhere_touches_once(name):
-    """The track's curvature is less than the disc's: the search is not made, and the motion stays as it was."""
-    assert not several_contacts.may_touch_twice(cases.load(name))
-    assert several_contacts.may_touch_twice(ROCKING)
-
-
-def test_pymunk_rocks_as_the_law_of_impact_says(rocking):
-    """Each hand-over multiplies the spin by (1 + 2 cos 2α)/3, α the flanks' incline where they are touched."""
-    h, motion = engine("pymunk").ladder(ROCKING, "native")[3]["h"], play("pymunk", "native", ROCKING, 3)
-    assert motion.contact_names == ("plate/track", "plate/track 2")
-    impact = next(event.time for event in rocking[0].transitions)
-    first = int(np.argmax(np.isfinite(motion.contacts["plate/track 2"].slip)))
-    # Two steps: the engine sees an overlap at the end of one, and its contact acts in the next.
-    assert abs(motion.t[first] - impact) <= 2.0 * h
-    before, after = motion.omega[first - 2], motion.omega[first + 3]
-    slope = float(np.arctan2(*ROCKING.track.tangent(motion.contacts["plate/track 2"].xi1[first])[::-1]))
-    assert 0.0 < slope < pi / 9
-    # In the five steps between the two samples the spin changes by gravity: at most (2/3) g sin α/r each.
-    change = 5.0 * h * (2.0 / 3.0) * 9.81 * np.sin(slope) / 0.5
-    assert after / before == pytest.approx((1.0 + 2.0 * cos(2.0 * slope)) / 3.0, abs=change / abs(before))
-
-
 def test_the_gate_copies_the_columns_of_each_contact(rocking):
     motion = rocking[1]
     plain = gate.motion(motion, ROCKING)
@@ -135,33 +109,6 @@ def test_contacts_on_supports_follow_from_the_poses(label):
             np.testing.assert_allclose(getattr(own, column)[both], getattr(exact, column)[both], atol=1e-7)
         same_places(own.xi1[both], exact.xi1[both], case.track.period)
         same_places(own.xi2[both], exact.xi2[both], case.plate.outline.period)
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("label", ["sliding_box", "dropped_box"])
-def test_an_exported_motion_of_a_box_is_read_back(label, tmp_path):
-    case = cases.load(label)
-    file = next(path for path in export.export(case, tmp_path) if path.name == "motion.csv")
-    motion, truth = motion_file.trajectory_of(case, motion_table.read(file)), reference.simulate(case)
-    assert motion.status == "completed" and motion.contact_names == truth.contact_names
-    for name in truth.contact_names:
-        exact = truth.contact_columns(name, motion.t).slip
-        np.testing.assert_allclose(motion.contacts[name].slip, exact, atol=1e-9)
-
-
-def test_a_contact_that_does_not_push_is_open():
-    """The momentum says where the ladder leaves its wall: its gap grows with the cube of the time, 1 µm in 10 ms."""
-    case = cases.load("ladder_at_wall")
-    truth = reference.simulate(case, rtol=1e-10)
-    motion, leaves = samples_of(case, truth, 801, 0.8), next(event.time for event in truth.transitions)
-    for given, late in ((None, 2e-2), (torsor(case, motion), 3e-3)):
-        found = feature_contacts.with_contacts(case, motion, 1e-5, given)
-        last = motion.t[np.flatnonzero(np.isfinite(found.contacts["plate/wall"].slip))[-1]]
-        assert abs(last - leaves) < late
-    after = motion.t > leaves + 3e-3
-    # Differences of samples 1 ms apart.
-    alone, exact = found.contacts["plate/track"].normal_force[after], truth(motion.t).normal_force[after]
-    np.testing.assert_allclose(alone[5:-5], exact[5:-5], rtol=1e-3)
 
 
 def test_the_momentum_gives_the_normal_forces_of_two_corners():
@@ -215,30 +162,6 @@ def test_housners_block_rocks_impact_by_impact(name):
     assert fine[0] < least and fine[1] < late
     if name == "box2d":  # a polygon of pymunk's depends on where in a step the corner lands, more than on the step
         assert fine[0] < 0.6 * errors(3)[0]
-
-
-@pytest.mark.parametrize("name", ["pymunk", "box2d"])
-def test_a_ladder_leaves_its_wall_and_a_disc_in_a_v_stops(name):
-    ladder = cases.load("ladder_at_wall[mu=0.1,mu_wall=0.2]")
-    motion = play(name, "native", ladder, 3)
-    # With the floor's friction at the wall it would be elsewhere: the rows of `test_motions` can fail.
-    exact = reference.simulate(ladder)(motion.t)
-    other = reference.simulate(replace(ladder, supports=(Support(line(pi / 2), "wall"),)))(motion.t)
-    assert np.hypot(other.x - exact.x, other.y - exact.y).max() > 2e-2
-    wall = motion.contacts["plate/wall"]
-    assert motion.t[np.flatnonzero(np.isfinite(wall.slip))[-1]] == pytest.approx(0.827987362, abs=0.03)
-    motion = play(name, "native", cases.load("disc_spinning_in_v"), 3)
-    assert motion.t[np.argmax(np.abs(motion.omega) < 1e-2)] == pytest.approx(1.60375075, rel=5e-3)
-
-
-def test_two_contacts_with_a_wall_push_although_either_of_them_would_do():
-    # The belt slips below the block and presses both of its corners to the wall, in shares that are not unique.
-    motion = play("pymunk", "native", cases.load("block_on_conveyor", speed=0.8, mu_static=0.0, stiffness=0.0), 0)
-    # It rides after 0.8/(0.2 g), and its front corner begins 0.7 m from the wall.
-    impact = 0.5 * 0.8 / (0.2 * 9.81) + 0.7 / 0.8
-    for name in ("plate/wall", "plate/wall 2"):
-        closed = np.isfinite(motion.contacts[name].slip)
-        assert closed[motion.t > impact + 0.1].all() and not closed[motion.t < impact - 0.1].any()
 
 
 # --- several plates ---------------------------------------------------------------------------------------------------

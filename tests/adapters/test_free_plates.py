@@ -15,7 +15,6 @@ from adapters.laws import judge
 from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
 from reports.judging import several_contacts
 from reports.judging.distances import differences
-from reports.running.tasks import find_truth, measure
 
 from .engines import play
 from .mutants import Hashable
@@ -59,26 +58,6 @@ def test_a_free_wedge_gives_way_under_a_disc(name):
     assert np.isnan(columns["plate/track"].friction_force[middle]).all()
 
 
-@STEPPERS
-def test_a_disc_pushes_a_block_and_rolls_at_the_exact_time(name):
-    """As the catalogue derives them; both corners of the block slip alike."""
-    case = cases.load("disc_pushes_block")
-    motion = play(name, "native", case, 3)
-    push = 2.0 * 0.3 * 9.81 * cos(0.4) / (1.09 + 0.91 / 2.0)
-    below = 9.81 * cos(0.4) - 0.3 * push
-    rate = 9.81 * sin(0.4) + 0.3 * below - push
-    rolls = 0.1 * 20.0 / (rate + 2.0 * 0.3 * (push + below))
-    slips = (motion.t > 0.05) & (motion.t < 0.95 * rolls)
-    for contact in ("plate/track", "plate/track 4"):
-        # One step of acceleration at most: the velocities are those of the middle of a step.
-        slip = motion.contacts[contact].slip[slips]
-        np.testing.assert_allclose(slip, rate * motion.t[slips], atol=rate * motion.t[1])
-    (change,) = read_at(case, motion, "disc/track")
-    # pymunk's disc is 1.9e-8 m wider than the case's, which slips by 5e-7 m/s where the engine's rolls.
-    assert (change.before, change.after) == (Mode.SLIP_BACKWARD, Mode.ROLL)
-    assert change.time == pytest.approx(rolls, abs=motion.t[1])
-
-
 def read_at(case: Case, motion, contact: str):
     """The transitions that are read at one contact."""
     one, gap = several_contacts.only(motion, contact), several_contacts.gap_of(motion, contact)(motion.t)
@@ -116,10 +95,6 @@ def test_an_impact_goes_through_a_row(name, gap, rung, speeds, most):
     assert [row.pairing for row in judgement.ledger] == ["paired", "paired"]
 
 
-def test_exudyn_s_discs_that_touch_have_another_law():
-    assert other_laws(pytest.importorskip("adapters.exudyn"), cases.load("row_of_discs", gap=0.0), "native")
-
-
 def pile_on_floor(mu_floor: float) -> Case:
     """The pile with friction 0.5 between discs, on a floor with its own friction; the track is far below."""
     case = cases.load("pile_of_discs", mu=0.5)
@@ -140,42 +115,7 @@ def test_a_support_has_its_own_friction_under_free_plates(name):
         assert motion.contact_names[0] == "plate/floor"
 
 
-@EACH
-def test_a_plate_that_does_not_turn_is_held(name):
-    motion = play(name, "native", cases.load("disc_on_free_hemisphere"), 3)
-    assert np.abs(motion.theta).max() < 1e-12 and motion.plate("upper").omega.min() < -1.0
-
-
-@pytest.mark.slow
-@STEPPERS
-def test_contacts_of_a_plate_that_does_not_turn_roll(name):
-    """A disc that sticks to a hemisphere was read as at rest, since the hemisphere does not turn: 100 % off."""
-    pytest.importorskip(f"adapters.{name}")
-    case = cases.load("disc_on_free_hemisphere")
-    run = measure(case, name, "native", engine(name).ladder(case, "native")[-2], 1, find_truth(case))
-    assert run.score is not None and run.score.off < 0.02
-    assert {"x of upper", "y of upper", "angle of upper"} <= run.off.keys()
-
-
 # --- impacts of Exudyn's springs --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("restitution", [1.0, 0.5])
-def test_discs_that_meet_leave_with_their_restitution(restitution):
-    """Wherever between two steps they meet: it was too large by up to 0.11, at 17 of 60 starts by over 0.05."""
-    case = cases.load("row_of_discs", gap=2.0, restitution=restitution, duration=0.6)
-    for distance in np.random.default_rng(0).uniform(0.5, 0.51, 5):
-        motion = play("exudyn", "native", replace(case, start=StartPose(-distance, 0.1, vx=1.0)), 3)
-        speed = motion.plate("second").vx[-1] - motion.vx[-1]
-        # A thousandth: by the step that the contact misses (`MEETING_STEP`), and by the law's damping.
-        assert speed == pytest.approx(restitution, abs=1e-3)
-
-
-@pytest.mark.parametrize("seed", [0, 4, 6, 10])
-def test_discs_in_flight_keep_the_law_of_collisions(seed):
-    """Seeds of which it was broken: 0.84 instead of 0.78 and the like."""
-    (verdict,) = judge(pytest.importorskip("adapters.exudyn"), ["collision_of_free_plates"], ["native"], seed)
-    assert verdict.outcome == "kept", verdict.reason
 
 
 def test_impacts_in_steps_longer_than_the_spring_s_period_break_a_law(monkeypatch):

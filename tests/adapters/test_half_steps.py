@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cases
-from adapters import EngineFailure
 from adapters.common.half_steps import StepRecord, rates_at_poses, read
 from cases import Case, Flight, Gravity, Impact, Start, Unilateral, disc, library
 
@@ -85,23 +84,3 @@ def test_an_impact_is_read_with_the_velocities_of_both_its_sides(restitution):
         assert motion.slip[at + 1] == pytest.approx(0.3, abs=1e-12) and np.isnan(motion.normal_force[at + 1])
         # Such an impact takes two steps.
         assert motion.normal_force[at + 3 :] == pytest.approx(2.0 * G, rel=1e-9)
-
-
-@pytest.mark.parametrize("h", [2e-3, 5e-4])
-def test_a_landing_that_is_the_end_is_where_the_gap_closes(h):
-    motion = read(dropped(falling_onto_a_line(), h, 0.0))
-    assert motion.status == "landing"
-    # The last two poses in flight are exact, and the gap is read as a straight line through them: ½ g h² over v.
-    assert motion.t[-1] == pytest.approx(LANDS, abs=G * h**2 / SPEED)
-    assert motion.vy[-1] == pytest.approx(-SPEED, abs=2 * G * h)
-    assert np.isnan(motion.slip[-1]) and motion.normal_force[-1] == 0.0
-
-
-def test_rows_that_are_no_numbers_are_no_motion():
-    noted = dropped(falling_onto_a_line(), 1e-2, 0.0)
-    noted.rows[7, 1] = np.nan
-    with pytest.raises(EngineFailure, match="not finite from 0.07 s on"):
-        read(noted)
-    short = StepRecord(noted.case, noted.h, noted.steps, noted.rows[:2])
-    with pytest.raises(EngineFailure, match="fewer than three steps"):
-        read(short)

@@ -16,8 +16,6 @@ from cases import (
     Flight,
     Gravity,
     Impact,
-    Load,
-    PerfectlyRough,
     Plate,
     RollingResistance,
     Start,
@@ -25,7 +23,7 @@ from cases import (
     disc,
 )
 from cases.effects import IMPACT_LAWS
-from cases.library import ellipse, hill, line
+from cases.library import ellipse, line
 from reports.running.tasks import find_truth, measure
 
 from .engines import play
@@ -84,25 +82,6 @@ def test_exudyns_spring_gives_a_disc_the_same_impact():
     assert played("exudyn", "native", case) == pytest.approx(true(case), rel=5e-3)
 
 
-@pytest.mark.slow
-def test_the_law_handed_to_exudyn_makes_no_impact_as_its_refusal_tells():
-    """A critically damped spring that may not pull lets go where its force is none: at e^-2 of the speed it met with,
-    if steps are far shorter than its time. Those of the ladder are longer, and the spring gives more than it took."""
-    adapter, met = pytest.importorskip("adapters.exudyn"), np.sqrt(2 * 9.81 * 0.1)
-    case = Case(line(0.0), SLOW, (*FLIES, Impact(0.0)), Start(0.0, gap=0.1), 0.16)
-    assert "faster than it arrived" in adapter.refuses(case, "integrator")
-    finest = adapter.ladder(case, "integrator")[-1]
-
-    def left(setting) -> float:
-        model = adapter.build(case, "integrator", setting)
-        adapter.run(model)
-        return float(adapter.read(model).vy.max()) / met
-
-    assert left(finest) > 1.0
-    # Its time is 1.4 ms; gravity takes a hundredth of the speed in it.
-    assert left(finest.but(k=1e6, h=5e-5)) == pytest.approx(np.exp(-2.0), rel=5e-2)
-
-
 @pytest.mark.parametrize(("name", "plate", "e", "law", "differs"), [
     ("pymunk", PLATE, 0.5, "poisson", True), ("pymunk", PLATE, 0.0, "newton", True),
     ("pymunk", PLATE, 0.5, "moreau", False), ("pymunk", DISC, 0.5, "poisson", False),
@@ -135,12 +114,6 @@ def run(name: str, route: str, label: str, rung: int = 3):
 
 
 @pytest.mark.slow
-def test_the_ellipse_that_tumbles_has_an_engine_with_another_law():
-    row = run("pymunk", "native", "tumbling_ellipse")
-    assert row.grade == "poor" and row.reason.startswith("Impact by another law: Moreau's")
-
-
-@pytest.mark.slow
 def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
     row = run("pymunk", "native", "tumbling_ellipse_moreau")
     assert "another law" not in row.reason
@@ -148,49 +121,10 @@ def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
     assert run("pymunk", "native", "tumbling_ellipse_moreau", 5).distance.centre_max < 0.6 * row.distance.centre_max
 
 
-@pytest.mark.slow
-def test_the_disc_off_the_ramp_has_contestants():
-    assert run("pymunk", "native", "disc_off_ramp").outcome == "answered"
-    row = run("box2d", "native", "disc_off_ramp")
-    assert row.outcome == "answered" and "compression" in row.reason
-
-
 # --- flights ----------------------------------------------------------------------------------------------------------
 
 FLIES, SLOW = (Gravity(9.81), Unilateral(), Flight()), disc(0.1, 2.0, inertia=0.012)
 FALL = (2 * 0.5 / 9.81) ** 0.5  # s, from 0.5 m
-ROUTES = [
-    ("exudyn", "native"), ("exudyn", "integrator"), ("pymunk", "native"), ("pymunk", "assisted"), ("box2d", "native"),
-]  # fmt: skip
-every_route = pytest.mark.parametrize(("name", "route"), ROUTES)
-
-
-@every_route
-def test_plate_without_impact_ends_where_it_lands(name, route):
-    case = Case(line(0.0), SLOW, FLIES, Start(0.0, gap=0.5, slip=1.0, omega=3.0), 1.0)
-    moved = play(name, route, case, 3)
-    assert moved.status == "landing" and "no Impact" in moved.reason
-    # The gap is followed to its end by a line through two samples: half of g h² over the speed.
-    assert moved.t[-1] == pytest.approx(FALL, abs=2 * moved.t[1] if name == "box2d" else 1e-5)
-    assert np.isnan(moved.slip).all() and np.isnan(moved.xi1).all()
-    assert not moved.normal_force.any() and not moved.friction_force.any()
-    assert moved.vx == pytest.approx(np.full(len(moved.t), 1.0 - 0.3), abs=1e-6 if name == "box2d" else 1e-9)
-
-
-@pytest.mark.sampled(3)
-@every_route
-def test_disc_that_flies_off_a_hill_falls_free(name, route):
-    case = Case(hill(1.0), disc(0.1, 1.0), FLIES, Start(0.3), 1.2)
-    moved = play(name, route, case, 3)
-    flies = np.isnan(moved.slip)
-    # From where cos φ is two thirds of its start's on; before, there is contact.
-    exact = reference.simulate(case, rtol=1e-11).transitions[0].time
-    assert moved.status == "completed"
-    assert moved.t[int(np.argmax(flies))] == pytest.approx(exact, abs=0.02)
-    assert flies[-1] and not flies[0]
-    # The last push may reach into the first step of flight, and exudyn's damper pulls for some steps at a release.
-    rounding = 1e-5 if name == "box2d" else 1e-9
-    assert np.diff(moved.vy[flies])[5:] == pytest.approx(-9.81 * np.diff(moved.t[flies])[5:], abs=rounding)
 
 
 @pytest.mark.sampled(3)
@@ -203,11 +137,3 @@ def test_dropped_disc_bounces_with_its_restitution(name, e):
     most = 8e-3 if name == "box2d" else 4e-3
     assert (moved.y - 0.1)[moved.t > FALL + 2 * moved.t[1]].max() == pytest.approx(0.5 * e**2, abs=most)
     assert np.abs(moved.y - reference.simulate(case, rtol=1e-11)(moved.t).y).max() < most
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize(("name", "route"), ROUTES[:4])
-def test_load_that_grows_lifts_a_rough_disc_off_when_it_carries_the_weight(name, route):
-    effects = (Gravity(9.81), PerfectlyRough(), Unilateral(), Load(fy="30*t"))
-    moved = play(name, route, Case(line(0.0), SLOW, effects, Start(0.0, omega=-3.0), 1.0), 4)
-    assert moved.status == "lift_off" and moved.t[-1] == pytest.approx(2.0 * 9.81 / 30.0, abs=1e-5)

@@ -37,9 +37,3 @@ def test_a_setting_is_asked_for_its_knobs_and_not_read_back_from_its_text():
     assert not setting.is_default
     assert Setting.of(rung="defaults", h=1e-3).is_default
     assert not Setting.of(rung=1, h=1e-3).is_default
-
-
-def test_a_setting_with_some_knobs_changed_keeps_their_order():
-    setting = Setting.of(rung=3, h=1e-3, facets=64)
-    assert setting.but(h=1e-4, vertices=8, rung=None) == Setting.of(h=1e-4, facets=64, vertices=8)
-    assert setting.but() == setting

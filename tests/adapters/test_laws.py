@@ -11,7 +11,7 @@ from adapters.laws.law_process import AdapterProcess
 from cases import NotSupported
 
 from .engines import routes
-from .mutants import Hashable, of_case, of_motion
+from .mutants import of_case, of_motion
 
 # What a law found wrong, until the adapter is right: (adapter, route, law) -> what was measured. Strict: a mended
 # adapter fails here until its line is taken out.
@@ -102,19 +102,6 @@ def test_every_effect_that_an_adapter_claims_has_a_law(name):
     adapter, laws = adapters.engine(name), {law.partition("[")[0] for law in LAWS}
     for effect in getattr(adapter, "adapter", adapter).KNOWN_EFFECTS:
         assert effects.OF_EFFECT[effect] and laws >= {*effects.OF_EFFECT[effect]}
-
-
-@pytest.mark.parametrize("seed", [0, pytest.param(range(1, 12), marks=pytest.mark.slow)])
-def test_pymunks_hops_before_it_leaves_a_hill_are_as_long_as_derived(seed):
-    """Its contact acts in single steps, so it leaves up to a term of order √h early (`adapters.laws.mechanics`)."""
-    pymunk = pytest.importorskip("adapters.pymunk")
-    for each in [seed] if isinstance(seed, int) else seed:
-        for fine in (0, 1, 2, 3):
-            finer = Hashable(**{name: getattr(pymunk, name) for name in ("refuses", "build", "run", "read")})
-            finer.ladder = lambda case, route, fine=fine: pymunk.ladder(case, route)[
-                : len(pymunk.ladder(case, route)) - fine
-            ]
-            LAWS["lift_off"](Route(finer, "native", each))
 
 
 @pytest.mark.builds

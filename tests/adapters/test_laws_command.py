@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-from adapters.laws import LAWS, Verdict, judge
 from adapters.laws.__main__ import main
 from adapters.lookup import find
 from cases import BadValue, UnknownName
@@ -84,26 +79,6 @@ def test_wrong_adapter_of_somebody_else_is_told_which_law_and_by_how_much(adapte
     assert "friction_torque: broken: friction torque: the spin of a sliding disc is off by" in capsys.readouterr().out
 
 
-def test_adapter_that_raises_is_a_verdict_for_every_law(adapter_file):
-    adapter = find(adapter_file(1.0))
-
-    def fail(model):
-        raise RuntimeError("the engine is out of order")
-
-    adapter.run = fail
-    verdicts = list(judge(adapter, ["friction_torque", "free_fall"]))
-    assert verdicts == [
-        Verdict("native", "friction_torque", "failed", "RuntimeError: the engine is out of order"),
-        Verdict("native", "free_fall", "refused", "It knows level lines alone."),
-    ]
-
-
-def test_adapter_is_found_as_a_module_too(adapter_file, monkeypatch):
-    path = Path(adapter_file(1.0))
-    monkeypatch.syspath_prepend(str(path.parent))
-    assert find(path.stem).NAME == "formula"
-
-
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("words", "sentence"),
@@ -142,12 +117,3 @@ def test_engine_that_is_not_installed_says_so(tmp_path, capsys):
     (tmp_path / "absent.py").write_text("import no_such_engine\n")
     assert main([str(tmp_path / "absent.py")]) == 2
     assert "no_such_engine" in capsys.readouterr().err
-
-
-def test_help_says_what_it_does_and_does_nothing_else():
-    done = subprocess.run([sys.executable, "-m", "adapters.laws", "--help"], capture_output=True, text=True)
-    assert done.returncode == 0 and "ADAPTER" in done.stdout and not done.stderr
-
-
-def test_laws_are_public():
-    assert {law.partition("[")[0] for law in LAWS} >= {"friction_torque", "cone", "lift_off", "free_fall"}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pymunk
-import pytest
 
 import cases
 from adapters.pymunk import adapter, older_versions
@@ -59,31 +58,3 @@ def test_the_version_of_pymunk_is_that_of_its_package(monkeypatch):
     monkeypatch.setattr(pymunk, "version", "2.0.0")
     assert older_versions.version() != "2.0.0"
     assert adapter.version().startswith(older_versions.version())
-
-
-def test_a_parameter_of_exudyn_keeps_its_value_under_its_former_name(monkeypatch):
-    pytest.importorskip("exudyn")
-    from adapters.exudyn import older_versions as exudyn_versions
-
-    class Body:
-        def __init__(self, physicsMass=0.0, physicsInertia=0.0):
-            """As ObjectRigidBody2D until 1.11."""
-
-    class Triangle:
-        def __init__(self, radiusSphere=0.0):
-            """As ObjectContactSphereTriangle until 1.11."""
-
-    assert exudyn_versions.rigid_body(2.0, 3.0) == dict(mass=2.0, inertia=3.0)
-    assert exudyn_versions.sphere_radius(0.1) == dict(sphereRadius=0.1)
-    monkeypatch.setattr(exudyn_versions.item, "ObjectRigidBody2D", Body)
-    monkeypatch.setattr(exudyn_versions.item, "ObjectContactSphereTriangle", Triangle)
-    assert exudyn_versions.rigid_body(2.0, 3.0) == dict(physicsMass=2.0, physicsInertia=3.0)
-    assert exudyn_versions.sphere_radius(0.1) == dict(radiusSphere=0.1)
-
-
-def test_a_missing_contact_of_exudyn_is_a_sentence():
-    pytest.importorskip("exudyn")
-    from adapters.exudyn import older_versions as exudyn_versions
-
-    assert exudyn_versions.contact_object("ObjectContactSphereSphere") is None
-    assert "has no ObjectOfTomorrow" in (exudyn_versions.contact_object("ObjectOfTomorrow") or "")

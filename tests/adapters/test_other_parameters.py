@@ -11,8 +11,8 @@ import cases
 from adapters.by_process.engine_geometry import mjcf, sdf
 from adapters.by_process.scene_file import curve_samples, scene
 from adapters.common import facets
-from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc, library
-from tests.scenes.motions import in_other_parameters, in_other_units, warped
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc
+from tests.scenes.motions import in_other_parameters, warped
 
 EFFECTS = (Gravity(9.81), CoulombFriction(0.15), Unilateral())
 
@@ -41,18 +41,6 @@ def shapes(case: Case) -> dict[str, np.ndarray]:
     if facets.is_convex(case.plate.outline):
         given["polygon"] = facets.polygon(case.plate.outline, 48)
     return {name: np.asarray(value, dtype=float) for name, value in given.items()}
-
-
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("how", LINEAR)
-@pytest.mark.parametrize("name", SCENES)
-def test_shapes_do_not_depend_on_the_unit_of_a_parameter(name, how):
-    case = SCENES[name]()
-    here, there = shapes(case), shapes(LINEAR[how](case))
-    assert here.keys() == there.keys()
-    for shape, own in here.items():
-        # Sums of some thousand roundings.
-        assert there[shape] == pytest.approx(own, rel=1e-12, abs=1e-11), shape
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -85,34 +73,6 @@ def test_an_exported_track_without_ends_is_where_the_plate_may_come():
     for text in (mjcf(case), sdf(case)):
         assert len(text) > 1000
     json.dumps(scene(case))
-
-
-@pytest.mark.parametrize("length", [1e-6, 1e6])
-def test_an_exported_line_without_ends_scales_with_the_scene(length):
-    """It was 20 units of its parameter long, whatever the plate's size, and about zero, wherever the plate starts."""
-    case = endless(track=library.line(), start=Start(30.0, slip=1.0))
-    here = curve_samples(case)["track"]
-    there = curve_samples(in_other_units(case, length, 1.0, 1.0, 0.0))["track"]
-    assert there[:, 1:3] == pytest.approx(length * here[:, 1:3], rel=1e-9)
-    # As far as it would go in 2 s if gravity acted along the line: v t + g t² and a size.
-    assert (here[:, 1].min(), here[:, 1].max()) == pytest.approx((30.0 - 41.4, 30.0 + 41.4), abs=0.1)
-
-
-@pytest.mark.parametrize("length", [1e-6, 1e6])
-def test_shapes_scale_with_the_scene(length):
-    load = Load(fx="0.1*sin(t)")
-    for case in (endless(), endless(effects=(*EFFECTS, load)), SCENES["disc_in_circle"]()):
-        here, there = shapes(case), shapes(in_other_units(case, length, 1.0, 1.0, 0.0))
-        for shape, own in here.items():
-            own = own * (np.array([length, length, 1.0]) if shape == "stretch" else length)
-            assert there[shape] == pytest.approx(own, rel=1e-9, abs=1e-9 * length), shape
-
-
-def test_a_track_that_is_endless_by_its_parameter_alone_is_walked_to_its_end():
-    """The walk doubled its length until it was longer than the plate may come: here it never is."""
-    case = endless(track=Curve(("tanh(s)", "0.1*tanh(s)**2")), start=Start(0.5), duration=1.0)
-    part = facets.stretch(case)
-    assert np.isfinite([part.low, part.high]).all() and 1.0 < part.length < 2.1
 
 
 @lru_cache

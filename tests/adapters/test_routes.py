@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import cases
 from adapters import EngineFailure, Setting, engine
-from cases import Case, Curve, Gravity, Start, Unilateral, curves, disc
+from cases import Case
 from cases.contact import start_motion
 from reports.judging import slip_phases
-from reports.judging.transitions import read_motion
-from reports.running import experiment, tasks
+from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.records import one_default
-from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
+from tests.authorities.paper_application import FIRST_TRANSITION
 
 from .engines import play, routes
 
-G, PUSH = Gravity(9.81), Unilateral()
 OUTCOMES = {"answered", "unsupported", "crashed", "timed_out"}
 # A disc in a circle, on a line, in a valley, off a hill; a plate that is none on a line and on a hill; no gravity.
 LADDER_CASES = (
@@ -55,19 +52,6 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_tightens_every_knob(name,
     for knob, sign in (("facets", 1), ("vertices", 1), ("k", 1), ("hertz", 1), ("vreg", -1)):
         values = [sign * setting.get(knob, 0) for setting in settings[1:]]
         assert values == sorted(values), knob
-
-
-@pytest.mark.parametrize("label", LADDER_CASES)
-@every_route
-def test_default_settings_are_a_small_grid_that_begins_with_the_ladder(name, route, label):
-    adapter, case = engine(name), one(label)
-    if not hasattr(adapter, "default_grid") or adapter.refuses(case, route):
-        pytest.skip("it has no grid of default settings for this case")
-    grid, ladder = adapter.default_grid(case, route), adapter.ladder(case, route)
-    assert grid[0] == ladder[0] and all(setting.is_default for setting in grid)
-    assert 2 <= len(grid) <= 8 and len({str(setting) for setting in (*grid, *ladder)}) == len(grid) + len(ladder) - 1
-    (offer,) = (offer for offer in tasks.survey(case, name) if offer.route == route)
-    assert offer.settings == (*grid, *ladder[1:])
 
 
 @pytest.mark.parametrize(("name", "label", "knob"), [
@@ -109,11 +93,6 @@ def test_case_has_a_row_for_every_route_a_result_or_a_reason(in_process):
         rows_of((one("disc_on_line[mu=0.1]"),), most=1, jobs=1)
 
 
-@pytest.mark.slow
-def test_every_catalogue_case_has_a_row_for_every_route_a_result_or_a_reason():
-    rows_of(tuple(case for name in cases.names(hard=False) for case in cases.select(name)), most=3, jobs=2)
-
-
 # --- exact values -----------------------------------------------------------------------------------------------------
 
 
@@ -141,64 +120,6 @@ def test_first_transition_of_the_paper_is_where_the_route_can_have_it(name, rout
     rung, most = WITHIN[name, route, mu]
     accuracy(case=f"disc_in_circle[mu={mu:g}]", solver=name, route=route, quantity="first transition (s)",
              error=first_error(name, route, mu, rung), tolerance=most)  # fmt: skip
-
-
-def order(errors: list[float], knob: tuple[float, ...]) -> float:
-    """The slope of log |error| over log knob."""
-    return float(np.polyfit(np.log(knob), np.log(np.abs(errors)), 1)[0])
-
-
-# Engine, route, friction, rungs and the order of the step by which the first transition converges.
-ORDERS = [
-    ("pymunk", "native", 0.1, (4, 5, 6), 1.0), ("pymunk", "assisted", 0.1, (1, 2, 3, 4), 2.0),
-    ("box2d", "native", 0.2, (2, 3, 4, 5, 6), 2.0), ("pybullet", "assisted", 0.1, (2, 3, 4, 5), 2.0),
-]  # fmt: skip
-
-
-@pytest.mark.sampled(2, first=1)
-@pytest.mark.parametrize(("name", "route", "mu", "rungs", "expected"), ORDERS)
-def test_first_transition_converges_with_the_order_of_the_step(name, route, mu, rungs, expected):
-    adapter = pytest.importorskip(f"adapters.{name}")
-    ladder = adapter.ladder(cases.load("disc_in_circle", mu=mu, duration=1.2), route)
-    errors = [first_error(name, route, mu, rung) for rung in rungs]
-    assert order(errors, tuple(ladder[rung]["h"] for rung in rungs)) == pytest.approx(expected, abs=0.3)
-
-
-def exudyn_setting(h: float, k: float) -> Setting:
-    return Setting.of(solver="TrapezoidalIndex2", newton="full", h=h, k=k, vreg=1e-5)
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("route", ["native", "integrator"])
-def test_exudyn_converges_with_the_square_of_the_step_and_the_inverse_of_the_stiffness(route):
-    # The error is C/k + O(h²), C of 40 to 90 s N/m: each is seen where the other is small.
-    steps, stiffness = (2.1e-3, 1e-3, 5.2e-4), (1e5, 3e5, 1e6)
-    of_step = [first_error("exudyn", route, 0.1, setting=exudyn_setting(h, 1e9)) for h in steps]
-    assert order(of_step, steps) == pytest.approx(2.0, abs=0.3)
-    of_stiffness = [first_error("exudyn", route, 0.1, setting=exudyn_setting(5e-4, k)) for k in stiffness]
-    assert order(of_stiffness, stiffness) == pytest.approx(-1.0, abs=0.3)
-
-
-# Measured at the finest of these rungs: 6e-7, 2e-6 and 1e-7 s. Neither Bullet nor Box2D locates anything in a step, and
-# facets scatter the slip where it grows gently out of rolling: the last one of Box2D was 0.011 s late.
-ALL_FOUR = [
-    ("exudyn", "native", (1, 3, 8), 5e-6), ("exudyn", "integrator", (1, 3, 7), 5e-6),
-    ("pymunk", "assisted", (1, 3, 5), 5e-6), ("pybullet", "assisted", (5,), 2e-4), ("box2d", "native", (-1,), 0.02),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("name", "route", "rungs", "most"), ALL_FOUR)
-@pytest.mark.sampled(3)
-def test_four_transitions_none_missed_and_none_invented(name, route, rungs, most, accuracy):
-    case = cases.load("disc_in_circle", mu=0.2)
-    for rung in rungs:
-        reading = read_motion(case, play(name, route, case, rung))
-        assert [(str(e.before), str(e.after)) for e in reading.transitions] == [
-            ("slip_forward", "roll"), ("roll", "slip_backward"), ("slip_backward", "roll"), ("roll", "slip_forward")
-        ]  # fmt: skip
-    worst = max(abs(event.time - time) for event, (time, *_) in zip(reading.transitions, SEQUENCE, strict=False))
-    accuracy(case=case.label, solver=name, route=route, quantity="worst of four transitions (s)", error=worst,
-             tolerance=most)  # fmt: skip
 
 
 # Constant forces: semi-implicit Euler has no error here, only the rounding of a few hundred steps. In Exudyn the
@@ -231,45 +152,6 @@ def test_first_rung_starts_where_the_case_does():
         moved = play(name, route, case, 0)
         rounding = max(1e-12, getattr(engine(name), "ROUNDING", 0.0))
         assert (moved.t[0], moved.x[0], moved.y[0]) == pytest.approx((0.0, start.x, start.y), abs=rounding)
-
-
-@pytest.mark.parametrize(("name", "route", "rung"), [
-    ("pymunk", "native", 5), ("pymunk", "assisted", 3), ("box2d", "native", 5), ("pybullet", "assisted", 3),
-    ("exudyn", "native", 4), ("exudyn", "integrator", 4),
-])  # fmt: skip
-def test_creep_in_stick_stays_below_the_slip_resolution(name, route, rung):
-    moved = play(name, route, cases.load("disc_in_circle", mu=0.2, duration=0.88), rung)
-    rolling = (moved.t > 0.65) & (moved.t < 0.87)
-    assert 0.0 < np.percentile(np.abs(moved.slip[rolling]), 99) <= moved.slip_resolution < 0.02
-
-
-# --- how a motion ends ------------------------------------------------------------------------------------------------
-
-
-@every_route
-def test_motion_ends_where_its_track_does(name, route):
-    bowl = Curve(lambda s: (s, -curves.sqrt(1 - s * s)), domain=(-0.9, 0.9))
-    moved = play(name, route, Case(bowl, disc(0.1, 1.0), (G, PUSH), Start(0.8, slip=-4.0), 1.0), 3)
-    assert moved.status == "track_end" and moved.reason.endswith(".")
-    # The last sample or, where it is interpolated, the end itself: 5 m/s, and at most 4 ms a step.
-    assert -0.9 - 1e-9 <= moved.xi1[-1] < -0.88
-
-
-@every_route
-def test_disc_that_is_too_fast_for_its_hill_leaves_at_once(name, route):
-    track = Curve(lambda s: (curves.sin(s), curves.cos(s)))
-    moved = play(name, route, Case(track, disc(0.1, 1.0), (G, PUSH), Start(0.0, slip=5.0), 0.5), 4)
-    assert moved.status == "lift_off" and "left its track" in moved.reason
-    assert moved.t[-1] <= 2 * moved.t[1] if len(moved.t) > 1 else moved.t[-1] == 0.0
-
-
-@every_route
-def test_being_set_down_is_no_lift_off(name, route):
-    """A release without pressure, at rest and slipping: penalty contacts open for an instant."""
-    for case in (cases.load("disc_in_circle", mu=0.01), cases.load("disc_on_line")):
-        for rung in (1, 2, 3, 4):
-            moved = play(name, route, replace(case, duration=0.15), rung)
-            assert moved.status == "completed" and moved.t[-1] == pytest.approx(0.15, abs=1e-12)
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
@@ -309,27 +191,9 @@ def test_numbers_of_pymunk_that_are_not_finite_are_a_failure(route):
         adapter.read(model)
 
 
-def test_disc_that_sinks_through_a_coarse_polygon_is_told():
-    # The engine's own slop, a tenth of a metre, is the disc's radius.
-    setting = Setting.of(h=1 / 60, facets=64, neighbors=1, thickness=0.1)
-    moved = play("pymunk", "native", cases.load("disc_in_circle", mu=0.01), setting=setting)
-    assert moved.status == "fell_through" and len(moved.t) < 150
-
-
 def test_a_chain_that_would_fill_the_memory_is_refused():
     pymunk, case = engine("pymunk"), cases.load("nearly_conforming", gap=1e-8)
     fine = pymunk.ladder(case, "native")[3]
     assert fine["facets"] > 10**6
     with pytest.raises(cases.NotSupported, match="needs .* facets, .* give a coarser setting"):
         pymunk.build(case, "native", fine)
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("h", [2e-3, 1e-3])
-def test_two_engines_of_one_integrator_are_off_by_the_same(h):
-    """Both take the same semi-implicit step with the same contact point: what differs are sweeps of their solvers."""
-    errors = []
-    for name in ("pymunk", "pybullet"):
-        finest = pytest.importorskip(f"adapters.{name}").ladder(cases.load("disc_in_circle", mu=0.2), "assisted")[-1]
-        errors.append(first_error(name, "assisted", 0.2, setting=finest.but(h=h)))
-    assert errors[0] == pytest.approx(errors[1], rel=0.01)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,12 +12,8 @@ import cases
 import reference
 from adapters import EngineFailure, Setting, by_process, lookup
 from adapters.common import motion_file, motion_table
-from adapters.laws import judge
 from cases import BadValue, DoesNotFit
 from reports import compare, export
-from tests.adapters.mutants import Hashable, effect
-
-PROGRAM = Path(by_process.__file__).parents[1] / "executables"
 
 
 def test_a_scene_has_every_plate_with_its_start():
@@ -140,59 +135,11 @@ def engine(request, monkeypatch):
         pytest.skip(str(problem))
 
 
-RUNNING = pytest.mark.parametrize("engine", ["drake", "mujoco"], indirect=True)
-
-
 def _simulated(engine, label: str, h: float):
     case = cases.load(label)
     model = engine.build(case, "process", Setting.of(h=h))
     engine.run(model)
     return engine.read(model)
-
-
-@pytest.mark.sampled(2)
-@RUNNING
-def test_drake_and_mujoco_run_a_disc_on_a_free_disc(engine):
-    """It leaves after 0.444077645 s, derived in tests/reference/test_free_plates.py; the floor has no friction."""
-    motion = _simulated(engine, "disc_on_free_disc", 1e-3)
-    upper = motion.plate("upper")
-    assert np.abs(2.0 * motion.vx + upper.vx).max() < 1e-6  # the momentum along the floor
-    last = np.flatnonzero(np.isfinite(motion.contacts["upper/plate"].slip))[-1]
-    assert motion.t[last] == pytest.approx(0.444077645, abs=1.2e-2)  # measured: 5.6 ms (drake), 7 ms (mujoco)
-    flies = motion.t < 0.66
-    exact = reference.simulate(cases.load("disc_on_free_disc")).plate("upper")(motion.t)
-    assert np.hypot(upper.x - exact.x, upper.y - exact.y)[flies].max() < 5e-3
-
-
-def of_another(engine, change):
-    """An engine that is given `change(case)` in place of the case."""
-    return Hashable(
-        NAME=engine.NAME, routes=engine.routes, SEVERAL_PLATES=engine.routes, refuses=engine.refuses,
-        ladder=engine.ladder, run=engine.run, read=engine.read,
-        build=lambda case, route, setting: engine.build(change(case), route, setting),
-    )  # fmt: skip
-
-
-@pytest.mark.sampled(2, first=1)
-@RUNNING
-def test_drake_and_mujoco_hold_a_pile(engine):
-    assert {v.outcome for v in judge(engine, ["pile_of_free_plates"])} == {"kept"}
-    change = effect(cases.CoulombFriction, lambda e: None)
-    (found,) = judge(of_another(engine, change), ["pile_of_free_plates"])
-    assert found.outcome == "broken" and "the way of" in found.reason
-
-
-@pytest.mark.parametrize("engine", ["drake"], indirect=True)
-def test_drakes_free_plates_keep_the_law_of_friction(engine):
-    """(MuJoCo's soft contacts rebound with 0.2 to 0.3 of the speed, and its friction takes mu of a larger impulse.)"""
-    (found,) = judge(engine, ["friction_of_free_plates"])
-    assert found.outcome == "kept", found.reason
-
-
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
-def test_mujoco_holds_a_plate_that_does_not_turn(engine):
-    motion = _simulated(engine, "disc_on_free_hemisphere", 2e-3)
-    assert np.ptp(motion.theta) == 0.0 and motion.plate("upper").omega.min() < -1.0
 
 
 def test_an_output_without_the_further_plates_is_a_failure_of_the_engine(tmp_path, monkeypatch):

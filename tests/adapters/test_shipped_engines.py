@@ -1,8 +1,6 @@
 """The engines that come as executables: named, refusing, and as good as was measured."""
 
-import subprocess
 from dataclasses import replace
-from itertools import pairwise, product
 from math import inf
 
 import numpy as np
@@ -12,15 +10,9 @@ import cases
 import reference
 from adapters import Setting, by_process, lookup
 from adapters.by_process.bundle import (
-    KNOBS,
-    MOST_BOXES,
-    MOST_FACETS,
     OWN_STEPS,
-    WITH_CORNERS,
-    WITHOUT_FACETS,
     version_of,
 )
-from adapters.interface import refusal
 from adapters.processes.pool import WorkerPool
 from cases import Belt, Case, CoulombFriction, Drive, Gravity, Start, Unilateral, disc
 from cases.errors import UnknownName
@@ -30,7 +22,6 @@ from reports.running.records import Run
 from reports.running.tasks import find_truth, measure
 from reports.running.time_limits import RUN_SECONDS
 
-from .test_corners import ROLLS_OFF
 from .test_motions import SCENES
 
 PAPER = "disc_in_circle[mu=0.2]"
@@ -127,42 +118,6 @@ def test_cannons_friction_is_divided_by_its_step(engine):
         assert motion.vx[0] - motion.vx[1] > 50 * 0.1 * 9.81 * h
 
 
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
-def test_mujoco_converges_in_the_circle_with_its_runge_kutta_method(engine, pool):
-    offs = [row(pool, engine, PAPER, h).score.off for h in (2e-3, 5e-4)]
-    assert offs[1] < 0.7 * offs[0] < 0.04
-
-
-@pytest.mark.parametrize("engine", ["jolt"], indirect=True)
-def test_jolt_converges_in_the_circle_with_contacts_that_begin_a_millionth_of_the_radius_ahead(engine, pool):
-    """14.7 and 4.2 %; with a ten-thousandth of the radius, where the next facet is touched too, 18 and 11 %."""
-    offs = [row(pool, engine, PAPER, h).score.off for h in (2e-3, 5e-4)]
-    assert offs[1] < 0.45 * offs[0] < 0.09
-
-
-@pytest.mark.parametrize("engine", sorted(set(NAMES) - WITHOUT_FACETS), indirect=True)
-def test_facets_are_as_long_as_the_way_of_a_step(engine):
-    adapter, case = lookup.engine(engine), cases.load(PAPER)
-    first, *others = adapter.ladder(case, "process")
-    most = MOST_BOXES.get(engine, MOST_FACETS)
-    assert first["facets"] == 64
-    counts = [setting["facets"] for setting in others]
-    assert counts == sorted(counts) and counts[-1] <= most
-    # Half the step, twice as many facets.
-    below = [setting for setting in others if 64 < setting["facets"] < most]
-    for coarse, fine in pairwise(below):
-        assert fine["facets"] / coarse["facets"] == pytest.approx(coarse["h"] / fine["h"], rel=0.02)
-    assert all("facets" not in setting for setting in adapter.ladder(cases.load("disc_on_line"), "process"))
-
-
-@every_engine
-def test_the_study_of_settings_has_a_grid_with_every_knob(engine):
-    grid = lookup.engine(engine).wide_grid(cases.load(PAPER), "process")
-    assert len(set(grid)) == len(grid) >= 9
-    for name, values in KNOBS.get(engine, {}).items():
-        assert {setting[name] for setting in grid} == set(values)
-
-
 def rolled(name: str, label: str = "disc_on_incline", **knobs):
     """What an engine tells of a disc that rolls all along: the motion, and the slip (m/s) when it has settled."""
     case, adapter = cases.load(label), lookup.engine(name)
@@ -187,33 +142,6 @@ def test_what_rolls_creeps_no_faster_than_is_declared_and_forces_are_told(engine
     assert friction == pytest.approx(-9.81 * np.sin(0.2) / 3, rel=2e-2)
 
 
-@pytest.mark.parametrize("engine", ["drake"], indirect=True)
-def test_drakes_creep_is_the_root_of_its_law_of_friction(engine):
-    """mu x (2 - x) with the share x of the stiction tolerance: rolling takes a known share of the cone."""
-    for stiction in (1e-5, 1e-4, 1e-3):
-        motion, slip = rolled(engine, stiction=stiction)
-        share = np.tan(0.2) / 3 / 0.1
-        assert slip == pytest.approx(stiction * (1 - np.sqrt(1 - share)), rel=2e-2)
-        assert slip < declared(motion) < 2.5 * stiction
-
-
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
-def test_mujocos_creep_is_its_constraints_softness(engine):
-    """v = R f / b: R is a hundredth of a per cent of the inverse mass over impratio, 1/b the step."""
-    force = 9.81 * np.sin(0.2) / 3
-    for ratio in (1, 10, 100):
-        motion, slip = rolled(engine, impratio=ratio)
-        # The engine takes the mean over three directions for the inverse mass; in one of them the plate cannot move.
-        assert slip == pytest.approx(1e-4 * (2 / 3) / ratio * force * 1e-3, rel=1e-2)
-        assert slip < declared(motion) < 3 * slip
-
-
-@pytest.mark.parametrize("engine", ["dartpy"], indirect=True)
-def test_darts_creep_is_its_constraint_force_mixing(engine):
-    motion, slip = rolled(engine)
-    assert slip == pytest.approx(1e-5 * 1e-3 * 9.81 * np.sin(0.2) / 3 * 3, rel=1e-2)
-
-
 @pytest.mark.parametrize(
     ("engine", "rounding"), [("physx", 2.0**-23), ("planck", 2.0**-52), ("rapier", 2.0**-23)], indirect=["engine"]
 )
@@ -230,12 +158,6 @@ def test_siconos_has_the_suites_law_exact_on_a_line_and_of_first_order_in_a_circ
     assert [event.pairing for event in fine.ledger] == 4 * ["paired"]
     # Half the step, half the error: the measured ratio is 1.99.
     assert fine.score.off == pytest.approx(coarse.score.off / 2, rel=0.05)
-
-
-@pytest.mark.parametrize("engine", ["jolt"], indirect=True)
-def test_jolt_rolls_on_a_line_where_it_should_without_its_cache_of_contacts(engine, pool):
-    """With the cache a disc rolls 4.9e-4 s too early at this step, without it 1.2e-6 s."""
-    assert abs(row(pool, engine, "disc_on_line[mu=0.1]").ledger[0].error) < 5e-6
 
 
 @every_engine
@@ -361,13 +283,6 @@ def test_engines_run_the_scenes_that_they_support(engine, label, most, h, coarse
         assert set(reference.simulate(case).contact_names) <= set(moved.contact_names)
 
 
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
-def test_mujoco_runs_belts_of_supports(engine):
-    """A disc in a V of two belts spins in its place until it rolls on both; with one belt at rest it would not."""
-    moved = motion_by(engine, cases.load("disc_in_v_of_belts"), 1e-3)
-    assert moved.omega[-1] == pytest.approx(1.5 / 0.5, rel=1e-2)
-
-
 def belt_of_a_support() -> Case:
     case = cases.load("disc_spinning_in_v")
     (support,) = case.supports
@@ -394,42 +309,3 @@ def test_what_an_engine_cannot_run_is_rejected_in_a_sentence_with_the_reason(eng
     with pytest.raises(cases.NotSupported, match=words) as problem:
         motion_by(engine, case, 1e-2)
     assert str(problem.value).endswith(".")
-
-
-@every_engine
-def test_corners_are_rejected_unless_an_engine_supports_them(engine):
-    """MuJoCo ran blocks that the protocol rejected. No scene has the corners of a track."""
-    adapter = lookup.engine(engine)
-    assert "corners" in (refusal(adapter, ROLLS_OFF, "process") or "")
-    for case in (HERE["Reuleaux wheel"](), cases.load("rocking_block")):
-        assert ("corners" in (refusal(adapter, case, "process") or "")) == (engine not in WITH_CORNERS)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", ["newton"], indirect=True)
-@pytest.mark.parametrize("solver", ["semi_implicit", "vbd"])
-def test_other_solvers_of_newton_roll_on_a_line_where_they_should(engine, solver, pool):
-    """Both are off by 0.3 % or less at 2 ms; VBD was by 220 % where its last pose was not reset with the plate's."""
-    found = row(pool, engine, "disc_on_line[mu=0.1]", 2e-3, solver=solver)
-    assert found.outcome == "answered" and found.score.off < 6e-3, found.reason
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", ["newton"], indirect=True)
-def test_newton_compiles_no_kernel_in_a_run(engine, tmp_path, monkeypatch):
-    """In an empty cache it counts as not installed; after --compile runs on every kind of track, and with every solver,
-    add no kernel."""
-    monkeypatch.setenv("WARP_CACHE_PATH", str(tmp_path))
-    adapter = lookup.engine(engine)
-    command = adapter.command(adapter.path)
-    empty = subprocess.run([*command, "--version"], capture_output=True, text=True)
-    assert empty.returncode and "--compile" in empty.stderr.splitlines()[-1]
-    subprocess.run([*command, "--compile"], check=True, capture_output=True)
-    assert not subprocess.run([*command, "--version"], capture_output=True).returncode
-    kernels = {path.relative_to(tmp_path) for path in tmp_path.rglob("*")}
-    first, *others = KNOBS["newton"]["solver"]
-    for solver, label in [(first, "disc_on_line[mu=0.1]"), (first, "disc_rolling_off_hill"), *product(others, [PAPER])]:
-        model = adapter.build(cases.load(label), "process", Setting.of(h=1e-2, solver=solver, facets=100))
-        adapter.run(model)
-        adapter.read(model)
-    assert {path.relative_to(tmp_path) for path in tmp_path.rglob("*")} == kernels

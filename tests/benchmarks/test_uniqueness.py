@@ -21,8 +21,7 @@ from cases import (
 )
 from cases.library import line
 from reference.solver.decide import motions_in
-from tests.benchmarks import uniqueness
-from tests.benchmarks.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
+from tests.benchmarks.uniqueness import BOTH, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
 
 
 def complementary_solutions(scene: str, spin: float, mu: float, theta: float) -> int:
@@ -58,25 +57,6 @@ def test_counts_are_those_of_a_complementarity_problem():
     assert min(counts.count(n) for n in (0, 1, 2)) > 5
 
 
-def test_the_motions_change_at_the_boundaries_and_nowhere_else():
-    """A part of 1e-6 to either side of each boundary the motions differ; along μ they change at boundaries only."""
-    numbers = np.random.default_rng(2)
-    changed = dict.fromkeys((boundary.name for boundary in BOUNDARIES), 0)
-    for scene, spin in product((FLOOR, BOTH), (0.5, 1.5)):
-        for theta in numbers.uniform(0.1, 1.4, 4).tolist():
-            own = [b for b in BOUNDARIES if scene in b.scenes]
-            at = {b.name: float(b.mu(np.array(theta), spin)) for b in own}
-            bounds = sorted(mu for mu in at.values() if 0.0 < mu < 5.0)
-            mus = [mu * factor for mu in bounds for factor in (1.0 - 1e-6, 1.0 + 1e-6)]
-            motions = [row.motions for row in count(scene, spin, [0.01, *mus, 5.0], [theta])]
-            assert motions[0::2] == motions[1::2], (scene, spin, theta)
-            for name, mu in at.items():
-                if mu in bounds:
-                    i = 2 * bounds.index(mu)
-                    changed[name] += motions[i] != motions[i + 2]
-    assert min(changed.values()) > 1
-
-
 def test_known_values_of_the_boundaries():
     assert painleve_mu(np.array(atan(2.0))) == pytest.approx(4.0 / 3.0, rel=1e-15)  # its least value
     assert (painleve_mu(np.linspace(0.05, 1.5, 999)) >= 4.0 / 3.0 - 1e-15).all()
@@ -104,10 +84,3 @@ def test_a_motion_has_the_names_of_the_most_contacts():
     effects = Gravity(9.81), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3)
     case = Case(line(), disc(0.5, 1.0), effects, StartPose(0.5, 0.5), 1.0, supports=(wall,))
     assert motions_in(case, (0.5, 0.5, 0.0, 0.0, 0.0, 0.0)) == [{"plate/track": Mode.ROLL, "plate/wall": Mode.ROLL}]
-
-
-def test_the_table_counts_every_state():
-    states = [row for scene in (FLOOR, BOTH) for row in count(scene, 1.5, [0.5, 2.0], [0.4, 1.0])]
-    table = uniqueness.rows(states)["uniqueness"]
-    assert sum(row["states"] for row in table) == len(states) == 8
-    assert {(row["motions"], row["modes"]) for row in table} >= {(1, "floor"), (2, "floor; none")}

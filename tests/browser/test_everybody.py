@@ -24,20 +24,6 @@ def test_dark_is_dark_by_wish_and_by_button(open_page):
     assert page.evaluate(ground) == "rgb(255, 255, 255)" and page.evaluate(colour) == light
 
 
-def test_in_the_dark_only_cells_of_a_grade_have_dark_text(open_page):
-    page = open_page(color_scheme="dark", place=DISC)
-    page.wait_for_selector(f"{DISC} table[data-name=engines]")
-    page.evaluate(SHOW_ALL)
-    cells = page.evaluate(
-        """() => [...document.querySelectorAll('td')].filter(e => e.checkVisibility() && e.innerText.trim()).map(e =>
-        [e.matches('.excellent, .very-good, .good, .rough, .poor, .unusable, .not-decided') &&
-         Boolean(e.closest('.grades')),
-         getComputedStyle(e.querySelector('a') ?? e).color])"""
-    )
-    grades = {colour for is_grade, colour in cells if is_grade}
-    assert grades == {"rgb(16, 20, 24)"} and grades.isdisjoint({colour for is_grade, colour in cells if not is_grade})
-
-
 def test_the_keyboard_alone_reaches_everything(open_page):
     page = open_page(place=DISC, reduced_motion="reduce")
     page.wait_for_selector(f"{DISC} .plots .u-over")
@@ -108,13 +94,3 @@ def test_axe_finds_no_serious_fault(open_page):
     for scheme in RULES:
         page.emulate_media(color_scheme=scheme)
         assert serious_faults(page, FEW_ROWS, scheme) == [], scheme
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scheme", RULES)
-def test_axe_finds_no_serious_fault_in_any_row_of_any_chapter(open_page, scheme):
-    page = open_page(color_scheme=scheme, reduced_motion="reduce")
-    for place in chapters(page):
-        visit(page, place)
-        after_frames(page)
-        assert serious_faults(page, None, scheme) == [], place

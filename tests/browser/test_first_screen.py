@@ -91,21 +91,6 @@ def test_each_cell_of_the_table_of_cases_has_the_numbers_of_the_tables(shared_pa
     assert seen == 2 * 4 * len(CASES)
 
 
-def test_details_of_a_cell_are_said_on_tap_and_by_the_keyboard_in_one_stop(shared_page):
-    page = shared_page("#headline")
-    page.wait_for_selector("table.cells td[tabindex='0']")
-    cells = page.locator("table.cells td[title]")
-    box = cells.first.bounding_box()
-    assert min(box["width"], box["height"]) >= 24
-    details = page.locator("#headline .details")
-    cells.nth(1).click()
-    assert cells.nth(1).get_attribute("title") in details.inner_text()
-    page.keyboard.press("ArrowDown")
-    below = page.locator("table.cells tbody tr").nth(1).locator("td[title]").nth(1)
-    assert below.get_attribute("title") in details.inner_text()
-    assert page.locator("table.cells td[tabindex='0']").count() == 1
-
-
 def test_the_chart_has_every_setting_of_its_case_at_its_place(shared_page, page_file):
     page = shared_page()
     runs = [r for r in table_of(page_file, "trajectories") if r["case"] == CASES[0] and r["solver"] != "reference"]

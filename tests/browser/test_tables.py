@@ -8,9 +8,6 @@ from fractions import Fraction
 
 import pytest
 
-from reports.page.fragments import verbatim
-from reports.page.text import shorten
-
 from .conftest import CASES
 from .reading import DISC, LINE, table_of
 
@@ -42,22 +39,6 @@ def test_a_long_table_says_how_much_it_shows_and_gives_all_rows_sorted_and_filte
     part.locator(".dt-search input").fill("pymunk native")
     matching = [r for r in files if r["solver"] == "pymunk" and r["route"] == "native"]
     assert rows.count() == len(matching) < len(files)
-
-
-def test_rows_that_a_script_adds_read_as_those_of_the_page(shared_page):
-    page = shared_page("#data")
-    values = ["", "0.0", "1.23456789e-07", "-0.00034", "1712.5", "0.0627", "3", "True", "nan of a text"]
-    columns = ["error", "cpu_s", "time", "order", "published"]
-    read = page.evaluate(
-        "([values, columns]) => columns.map(c => values.map(v => suite.shorten(v, c, v !== 'nan of a text')))",
-        [values, columns],
-    )
-    for column, texts in zip(columns, read, strict=True):
-        for value, text in zip(values, texts, strict=True):
-            if value in ("", "3", "True", "nan of a text"):
-                assert text == {"True": "yes"}.get(value, value)
-            else:
-                assert text == verbatim(shorten(float(value), column)), (column, value)
 
 
 def same(one: str, other: str) -> bool:
@@ -139,19 +120,6 @@ def test_the_evidence_lists_enclosures_inside_the_error_bars(shared_page, page_f
         assert float(width) == pytest.approx(float(high - low), rel=0.6) and float(width) < 1e-12
         assert change == f"{truth['before']} → {truth['after']}".replace("_", " ")
         assert row.get_attribute("title") == catalogue.read()[case].statement
-
-
-@pytest.mark.parametrize(
-    "old, tab, visible",
-    [("motions", "cases", DISC), ("headline", "cases", "#headline"), ("failures", "cases", "#failures"),
-     ("precision", "cost", "#cost"), ("definitions", "answer", "table.by-engine"),
-     ("tables", "data", "#tables"), ("evidence", "evidence", "#proved"),
-     ("made", "data", "#made"), (DISC[1:], "cases", DISC), ("nothing", "answer", ".unknown")],
-)  # fmt: skip
-def test_links_to_the_chapters_of_older_pages_lead_to_the_right_tab(shared_page, old, tab, visible):
-    page = shared_page(f"#{old}")
-    assert page.get_attribute("nav.chapters a[aria-current]", "href") == f"#{tab}"
-    assert page.locator(visible).is_visible() and page.locator("main > .chapter:visible").count() == 1
 
 
 def test_a_solver_switched_off_is_gone_everywhere(shared_page):

@@ -3,10 +3,7 @@
 import os
 import re
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -261,13 +258,6 @@ def test_a_command_of_one_case_finds_it_in_a_file_and_names_those_of_a_file_with
     assert "there is no parameter of fast_one 'mew'; choose from mu" in capsys.readouterr().err
 
 
-def test_the_list_is_printed_on_a_terminal_that_knows_no_letter_beyond_ascii():
-    plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    output = subprocess.run([sys.executable, "-m", "cases"], env=plain, capture_output=True, text=True)
-    names = [line for line in output.stdout.splitlines() if not line.startswith(" ")]
-    assert output.returncode == 0 and output.stderr == "" and len(names) == len(cases.names())
-
-
 @pytest.mark.parametrize(
     ("words", "file"),
     [
@@ -306,27 +296,3 @@ def test_a_command_that_is_ended_leaves_no_unfinished_file(number, code, tmp_pat
         signal.signal(signal.SIGINT, before)
     assert list(tmp_path.iterdir()) == [] and capsys.readouterr().err == "\ntest: stopped\n"
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
-
-
-def test_what_a_case_file_starts_is_ended_with_its_trial(desk, capsys):
-    (desk / "odd.py").write_text(
-        "import pathlib, subprocess\n"
-        "run = subprocess.Popen(['sleep', '1000'])\n"
-        "pathlib.Path('pid').write_text(str(run.pid))\n"
-        "while True: pass\n"
-    )
-    with pytest.raises(cases.BadValue, match="does not end"):
-        trial.trial("it", lambda: registry.load_file(desk / "odd.py"), seconds=2.0)
-    sleeper = Path("/proc") / (desk / "pid").read_text()
-    assert not sleeper.exists() or "(zombie)" in (sleeper / "status").read_text()
-
-
-@pytest.mark.parametrize("module", ["cases", "reports.build"])
-def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
-    """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
-    words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
-    output = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert output.returncode == 2 and output.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
-    assert output.stderr.endswith(
-        "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
-    )

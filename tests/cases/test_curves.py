@@ -8,8 +8,6 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe
 
-import cases
-import reference
 from cases import BadValue, Curve, library
 from cases import curves as c
 
@@ -61,16 +59,6 @@ def test_a_file_with_a_bad_line_is_told_with_the_line(tmp_path):
     file = tmp_path / "points.csv"
     file.write_text("x,y\n0,0\n1,zero\n")
     refused(BadValue, "points.csv:3", lambda: Curve.spline(file, closed=True))
-
-
-def test_equal_curves_in_different_parametrisations_give_equal_motions():
-    here = cases.load("disc_in_parabola")
-    other = Curve(lambda s: (c.sinh(s), c.sinh(s) ** 2 / 1.6), (-1.8, 1.8))
-    there = cases.Case(other, here.plate, here.effects, cases.Start(float(np.arcsinh(here.start.xi1))), here.duration)
-    a, b = reference.simulate(here, rtol=1e-12), reference.simulate(there, rtol=1e-12)
-    assert [t.time for t in b.transitions] == pytest.approx([t.time for t in a.transitions], abs=1e-10)
-    times = np.linspace(0, here.duration, 20)
-    assert b(times).x == pytest.approx(a(times).x, abs=1e-9)
 
 
 @pytest.mark.parametrize("curve", [library.ellipse(1.2, 0.8), library.line(0.3), Curve(("s", "sin(s)"), (-3.0, 4.0)),

@@ -30,7 +30,6 @@ from cases import (
     PerfectlyRough,
     Plate,
     RollingResistance,
-    Start,
     StartPose,
     Support,
     Unilateral,
@@ -38,13 +37,11 @@ from cases import (
 )
 from cases.curves import cos, sin
 from cases.library import line
-from cases.scene.limits import LIMITS, Reason, Scope, as_sentence, limit, without_certificate
+from cases.scene.limits import LIMITS, Reason, Scope, limit, without_certificate
 from cases.scene.limits_page import as_page, in_three_lines
-from reference import witness
 from reference.narration import check
 
 ROOT = Path(__file__).parents[2]
-LAW = "0.1 + 0.1*exp(-v/0.05)"
 FREE = (Gravity(9.81, -pi / 2), Unilateral(), Flight(), Impact(0.0))
 FRICTION, RESISTS = CoulombFriction(0.3), RollingResistance(0.01)
 DISC, BLOCK = disc(0.5, 1.0), Plate.rectangle(1.0, 0.6, 1.0)
@@ -151,13 +148,6 @@ def test_a_scene_without_a_certificate_runs(row):
     assert reference.simulate(case).status == "completed"
 
 
-def test_a_block_with_a_limit_of_several_contacts_ends_where_it_touches_twice():
-    """It lies on its side, so at once; the reason ends with what to give instead."""
-    motion = reference.simulate(scene(plate=BLOCK, without=(Unilateral, Flight, Impact)))
-    assert motion.status == "second_contact" and motion.t[-1] < 1e-7
-    assert motion.reason.endswith(as_sentence(limit(motion.case, Scope.SEVERAL_CONTACTS)))
-
-
 def test_a_block_that_does_not_turn_needs_contacts_that_only_push():
     """It is simulated in poses, where each contact only pushes: its weight on two held corners is not unique."""
     with pytest.raises(BadValue, match="bilateral guide with several contacts"):
@@ -168,27 +158,6 @@ def test_the_check_of_a_case_says_that_its_motion_has_no_certificate():
     make = SCENES[Scope.SHAPES, NOT_CONVEX]
     text = "checked by its laws only, without a certificate: 'plate' and 'upper' are polygons; give smooth convex"
     assert text in check(make()) and "certificate" not in check(scene(plate=BLOCK))
-
-
-@dataclass(frozen=True)
-class Drag(ContactEffect):
-    """A force against the slip, a lift and a couple."""
-
-    def force(self):
-        return ContactForce("-0.7*slip", 0.2, "-0.01*omega")
-
-
-@pytest.mark.parametrize("mu", [0.1, 0.4])
-def test_both_formulations_have_effects_of_packages_at_several_contacts(mu):
-    """A block falls on its side on a slope, with a force of a package at both corners."""
-    effects = (Gravity(9.81), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.2), Drag())
-    case = Case(line(-0.2), Plate.rectangle(0.3, 0.1, 1.0), effects, Start(0.0, slip=1.0), 1.0)
-    motion, second = reference.simulate(case, rtol=1e-12), witness.predict(case)
-    ours, theirs = ([(t.contact, t.before, t.after) for t in one.transitions] for one in (motion, second))
-    assert ours == theirs and motion.status == second.status == "completed"
-    assert [t.time for t in second.transitions] == pytest.approx([t.time for t in motion.transitions], abs=1e-9)
-    assert {change[0] for change in ours} == {"plate/track", "plate/track 2"}
-    assert second.body[0] == pytest.approx(motion.x[-1], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "sliding_box", "pile_of_discs", "ladder_at_wall"])

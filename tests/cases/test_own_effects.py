@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,12 +30,9 @@ from cases import (
     registry,
 )
 from cases.library import circle, line
-from reports.judging.friction_factor import losses
-from reports.judging.residuals import broken_laws, examine
 from reports.running import reference_adapter
 from tests.adapters.mutants import of_case
 from tests.scenes import second as second_states
-from tests.scenes.motions import sampled
 from tests.scenes.moving import on_line
 
 pytestmark = pytest.mark.builds
@@ -79,28 +76,6 @@ def test_a_magnet_brakes_a_sliding_wheel_as_the_closed_form_says():
         assert [t.after for t in motion.transitions] == [Mode.ROLL]
         assert motion.transitions[0].time == pytest.approx(1.0 / (0.3 * 29.81), abs=1e-13)
     assert reference.simulate(case)(0.05).normal_force == pytest.approx(29.81, rel=1e-12)
-
-
-def test_eddy_currents_brake_a_rolling_wheel_exponentially():
-    """(J + m r²) ω̇ = −brake ω while it rolls: 0.015 ω̇ = −brake ω."""
-    effects = (Gravity(9.81), CoulombFriction(0.8), magnet(5.0, 0.01), Unilateral())
-    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, omega=-20.0), 2.0)
-    times = np.linspace(0.0, 2.0, 20)
-    for method in reference.METHODS:
-        omega = reference.simulate(case, 1e-13, method)(times).omega
-        assert omega == pytest.approx(-20.0 * np.exp(-0.01 / 0.015 * times), abs=1e-11)
-
-
-def test_every_method_agrees_in_a_loop_and_the_magnet_holds_the_wheel():
-    held, free = (in_circle(effect, slip=2.0, mu=0.03) for effect in (magnet(20.0, 0.002), magnet(0.0)))
-    first, *others = all_motions(held)
-    assert first.status == "completed" and len(first.transitions) >= 2
-    assert reference.simulate(free).status == "lift_off"
-    for other in others:
-        assert other.status == first.status
-        assert [t.after for t in other.transitions] == [t.after for t in first.transitions]
-        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in first.transitions], abs=1e-10)
-    assert examine(held, first).energy <= 1e-10
 
 
 def test_a_condition_ends_the_motion_with_its_status_and_sentence():
@@ -161,17 +136,6 @@ def test_bounces_are_those_of_the_weight_alone(across, e):
         assert motion.status == ("accumulation" if across > 0.0 else "completed")
         assert time == pytest.approx(exact, abs=1e-13)
         assert across > 0.0 or motion.transitions[-1].after is Mode.ROLL
-
-
-def test_the_true_motion_breaks_no_law_and_has_the_friction_factor_one():
-    """The judgement of a motion from a file counts the magnet's pull and brake among the forces."""
-    case = in_circle(magnet(20.0, 0.002), slip=2.0, mu=0.03)
-    motion = sampled(reference.simulate(case, 1e-12), 1001)
-    assert broken_laws(case, motion, np.zeros(1001)) == []
-    heavier = replace(motion, normal_force=motion.normal_force + 20.0)
-    assert any("the forces do not make the motion" in each for each in broken_laws(case, heavier, np.zeros(1001)))
-    own = losses(case, motion, 2.0)
-    assert own.actual == pytest.approx(own.by_law, rel=1e-3)
 
 
 def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():

@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 from functools import cache
-from math import pi
 
 import numpy as np
 import pytest
 
-from cases import Case, Curve, DoesNotFit, Flight, Gravity, Impact, Plate, Start, StartPose, Support, Unilateral, disc
-from cases.contact import start_motion
+from cases import Case, Curve, DoesNotFit, Flight, Gravity, Plate, Start, Unilateral, disc
 from cases.contact.overlap_search import deepest_overlap
-from cases.library import circle, ellipse, line
+from cases.library import ellipse
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
 
@@ -97,27 +95,3 @@ def test_random_starts_over_ripples_are_rejected_if_and_only_if_they_overlap(see
                 rejected.append(True)
             assert rejected[-1] == (height < 0.0), (seed, height)
     assert any(rejected) and not all(rejected)
-
-
-def test_a_start_that_overlaps_a_wall_by_less_than_samples_of_its_outline_show():
-    effects, wall = (Gravity(9.81), Unilateral(), Flight(), Impact(0.0)), Support(line(pi / 2), "wall")
-
-    def start(depth: float) -> Case:
-        # The wall is x = 0, with the plate at its right; no sample of the disc points at it.
-        pose = StartPose(0.1 - depth, 0.1, theta=0.003)
-        return Case(line(), disc(0.1, 1.0), effects, pose, 0.1, supports=(wall,))
-
-    assert start(0.0).supports and start(5e-11).supports
-    with pytest.raises(DoesNotFit, match="overlaps support 'wall'"):
-        start(1e-8)
-
-
-def test_curves_that_nearly_coincide_do_not_overlap_by_rounding():
-    track = circle(1.0)
-    for radius in (1.0 - 1e-8, 1.0 - 1e-6, 0.999):
-        case = Case(track, disc(radius, 1.0), (Gravity(9.81),), Start(0.3), 1.0)
-        begun = start_motion(case)
-        assert deepest_overlap(track, case.plate.outline, begun.x, begun.y, begun.theta, 0.3) is None
-        x, y = begun.x + 1e-9 * np.cos(0.3), begun.y + 1e-9 * np.sin(0.3)
-        deep = deepest_overlap(track, case.plate.outline, x, y, begun.theta, 0.3)
-        assert deep is not None and -deep.gap == pytest.approx(1e-9, rel=1e-4)

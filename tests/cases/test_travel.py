@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -71,10 +70,3 @@ def test_an_arrived_case_has_the_same_motion_to_the_last_digit(elsewhere):
     )
     for case in (by_hand(), measured, cases.load("disc_in_circle")):
         assert repr(elsewhere.submit(begun, case).result()) == repr(begun(case))
-
-
-def test_a_case_is_small():
-    letters = [pickle.dumps(case) for case in all_cases()]
-    # Measured: 880 bytes a case.
-    assert np.mean([len(letter) for letter in letters]) < 1100
-    assert max(map(len, letters)) < 3500  # the pebble: a spline that was moved has 15 numbers for each of its 13 pieces
