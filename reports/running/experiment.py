@@ -22,14 +22,12 @@ from .calls import Calls, Skip, StorePolicy
 from .ladder_selection import ladder_case
 from .records import Experiment, Offer, Run, Truth, finest, now, routes
 from .storage.fingerprint import truth_key
-from .tasks import find_truth, measure, survey_of_cases
+from .tasks import find_truth, measure, survey
 from .time_limits import ASKING_SECONDS
 from .versions import split_version
 
 # A solver that did not answer for so many cases is not asked about the others, which would take as long.
 _MOST_SILENCES = 3
-# So many cases are asked about in one call: a second of an engine's answers, and enough calls for several workers.
-_CASES_TOGETHER = 32
 
 # Takes a case's label, a solver, its route and its ladder; returns the settings to run.
 Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
@@ -93,36 +91,22 @@ def find_truths(cases: Sequence[Case], calls: Calls) -> dict[str, Truth]:
 def offers(
     cases: Sequence[Case], solvers: Sequence[str], calls: Calls, knobs: str = "ladder"
 ) -> dict[tuple[str, str], tuple[Offer, ...]]:
-    """The settings (a ladder or a grid) of each solver for each case, by label and name.
+    """The settings (a ladder or a grid) of each solver for each case, by label and name; a failure is an offer.
 
-    Never stored: the calls are quick, and an engine may have been installed since. A solver is asked about many cases
-    in one call, because what surrounds a call takes longer than its answer; if that call fails, about each alone."""
-    parts = [tuple(cases[i : i + _CASES_TOGETHER]) for i in range(0, len(cases), _CASES_TOGETHER)]
-    by_key = _ask([(part, name, knobs) for part in parts for name in solvers if len(part) > 1], 1, calls)
-    keys = [(case, name) for case in cases for name in solvers]
-    remaining = [((case,), name, knobs) for case, name in keys if (case.label, name) not in by_key]
-    by_key |= _ask(remaining, _MOST_SILENCES, calls)
-    return {(case.label, name): by_key[case.label, name] for case, name in keys}
-
-
-def _ask(requests: Sequence[tuple], silences: int, calls: Calls) -> dict[tuple[str, str], tuple[Offer, ...]]:
-    """The answers of solvers about cases, by label and name; a failure about one case is its offer. After so many
-    silences a solver is not asked any more."""
+    Never stored: the calls are quick, and an engine may have been installed since."""
 
     def silent(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
-        if Counter(other[1] for other in slow)[call[1]] < silences:
+        if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
             return None
-        return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {silences} other cases")
+        return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
 
-    limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("survey", survey_of_cases, requests, limit=limit, skip=silent, brief=True)
+    requests = [(case, name, knobs) for case in cases for name in solvers]
+    answers = calls.all("survey", survey, requests, limit=min(calls.limit, ASKING_SECONDS), skip=silent, brief=True)
     by_key: dict[tuple[str, str], tuple[Offer, ...]] = {}
-    for (part, name, knobs), answer in zip(requests, answers, strict=True):
-        if answer.outcome == "done":
-            by_key |= {(case.label, name): of_routes for case, of_routes in zip(part, answer.value, strict=True)}
-        elif len(part) == 1:
-            outcome, reason = answer.failure
-            by_key[part[0].label, name] = (Offer("", (), outcome, f"asking for its {knobs}: {reason}"),)
+    for (case, name, _), answer in zip(requests, answers, strict=True):
+        outcome, reason = answer.failure
+        failure = (Offer("", (), outcome, f"asking for its {knobs}: {reason}"),)
+        by_key[case.label, name] = answer.value if answer.outcome == "done" else failure
     return by_key
 
 

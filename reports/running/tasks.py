@@ -58,11 +58,6 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
     return tuple(_offer(module, case, legible(route), knobs) for route in routes)
 
 
-def survey_of_cases(cases: tuple[Case, ...], name: str, knobs: str) -> tuple[tuple[Offer, ...], ...]:
-    """`survey` for several cases."""
-    return tuple(survey(case, name, knobs) for case in cases)
-
-
 def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
     part = ""
     try:

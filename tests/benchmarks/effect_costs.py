@@ -41,8 +41,9 @@ from reports.running.experiment import offers
 from reports.running.names import REFERENCE
 from reports.running.records import one_default
 from reports.running.solvers import solver
+from reports.running.timing import clock
 from reports.running.timing.clock import NO_TIMING, Contestant, Timing
-from reports.running.timing.timed_pass import time_together
+from reports.running.timing.timed_pass import together
 from reports.studies import Request
 
 TABLES = {
@@ -231,10 +232,9 @@ def _price(scene: str, solvers: Sequence[str], budget: float, calls: Calls, alon
     cases = [stage.case for stage in stages(scene)]
     able = {key: p for key, p in probes.items() if p.outcome == "done"}
     contestants = [Contestant(cases[i], name, route, p.setting, p.seconds) for (i, name, route), p in able.items()]
-    pairs, _ = time_together(contestants, budget, budget, alone) if able else ([], [])
-    timings = {
-        (cases.index(contestant.case), contestant.solver, contestant.route): timing for contestant, timing in pairs
-    }
+    found, _ = together(clock.time_all, contestants, budget, budget, alone, "timings") if able else ({}, {})
+    stage_of = {one.key: (cases.index(one.case), one.solver, one.route) for one in contestants}
+    timings = {stage_of[key]: timing for key, timing in found.items()}
     routes = list(dict.fromkeys(key[1:] for key in probes))
     for key in sorted(probes, key=lambda key: (solvers.index(key[1]), routes.index(key[1:]), key[0])):
         yield _row(scene, key, probes, timings)

@@ -17,7 +17,7 @@ from reports.judging.grades import LEVELS
 from reports.page import table_files
 from reports.running import solvers
 from reports.running.records import one_default
-from reports.running.timing import timed_pass
+from reports.running.timing import clock, timed_pass
 
 pytestmark = pytest.mark.builds
 
@@ -29,12 +29,13 @@ def report(tmp_path_factory, without_figures):
     """A report of one case with little time for timings, made by the command. Calls from cold are those made for the
     imports, one each, and parts end by their own count of repeats: on a busy machine as on a quiet one."""
     out = tmp_path_factory.mktemp("made") / "report"
-    together = timed_pass.time_together
+    together = timed_pass.together
 
     def undisturbed(*given):
         """What is tested is the tables: that something else runs on the machine is none of their business here."""
         found, failed = together(*given)
-        return [(one, replace(timing, disturbed=False)) for one, timing in found], failed
+        timings = {key: replace(one, disturbed=False) for key, one in found.items() if isinstance(one, clock.Timing)}
+        return found | timings, failed
 
     def coarse(plan, case, solver, route, ladder):
         """As many settings as a curve has at least: the finest of an engine take as long as all others together."""
@@ -47,7 +48,7 @@ def report(tmp_path_factory, without_figures):
         return [one for one in contestants(*given) if one.route != "augmented"]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timed_pass, "time_together", undisturbed)
+        patch.setattr(timed_pass, "together", undisturbed)
         patch.setattr(timed_pass, "contestants", fast)
         patch.setattr(options.BuildPlan, "select_rungs", coarse)
         for name, seconds in (("BUDGET", 6.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):

@@ -12,7 +12,7 @@ from adapters import Setting
 from adapters.processes.worker import CallResult
 from reports import study
 from reports.running.calls import Calls
-from reports.running.tasks import find_truth, measure, survey_of_cases
+from reports.running.tasks import find_truth, measure, survey
 from reports.studies import Request, error_parts
 from reports.studies.error_parts import ErrorCell, Grid
 
@@ -113,7 +113,7 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
 
     fates = (
         (find_truth, "unsupported", "there is no truth to judge it by: "),
-        (survey_of_cases, "timed_out", "asking for its grid: "),
+        (survey, "timed_out", "asking for its grid: "),
     )
     for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
         cells = error_parts.run(Request((case,), ("pymunk",)), Broken())

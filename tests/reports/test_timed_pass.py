@@ -1,7 +1,6 @@
 """The timed pass: every time belongs to the contestant it was measured of, whatever the order and wherever from."""
 
 from dataclasses import replace
-from functools import partial
 from math import inf
 
 import pytest
@@ -70,13 +69,13 @@ def fit(result, cost: float) -> bool:
 
 
 def timed(who, made) -> dict:
-    found, failed = timed_pass.time_together(who, inf, 10.0, made)
-    assert not failed and [one for one, _ in found] == list(who)
-    return {one.key: timing for one, timing in found}
+    found, failed = timed_pass.together(clock.time_all, who, inf, 10.0, made, "timings")
+    assert not failed and [*found] == [one.key for one in who]
+    return found
 
 
 def started_cold(who, made) -> dict:
-    return timed_pass._measure(partial(timed_pass._cold_starts, made), who, 1000.0)
+    return timed_pass.together(cold_start.first_calls, who, 1000.0, 1000.0, made, "timings")[0]
 
 
 @pytest.mark.parametrize("measured", [timed, started_cold])
@@ -96,8 +95,8 @@ def test_each_time_is_its_contestant_s_in_every_order_and_from_the_store(measure
     assert times_made == [1, *[0] * (len(times_made) - 1)] and len(times_made) > 10
 
 
-@pytest.mark.parametrize("ask", [timed_pass._cold_starts, timed_pass._parts, timed_pass.time_together])
-def test_cases_with_other_engines_are_timed_in_the_same_worker(ask, engines, monkeypatch):
+@pytest.mark.parametrize("function", [cold_start.first_calls, time_breakdown.parts_of_all, clock.time_all])
+def test_cases_with_other_engines_are_timed_in_the_same_worker(function, engines, monkeypatch):
     groups = []
     whole = CallsHere.each
     record = lambda *given, group=None, **how: groups.append(group) or whole(*given, group=group, **how)  # noqa: E731
@@ -105,7 +104,7 @@ def test_cases_with_other_engines_are_timed_in_the_same_worker(ask, engines, mon
     with calls() as made:
         for solvers in (["reference"], ["pymunk", "reference"], ["exudyn"], ["pymunk@7.0.0"]):
             who = [one for one in WHO if one.solver in solvers] or [WHO[2]._replace(solver=solvers[0])]
-            ask(*((who, 1.0, 1.0, made) if ask is timed_pass.time_together else (made, who, 1.0)))
+            timed_pass.together(function, who, 1.0, 1.0, made, "timings")
     assert groups[0] and groups == [groups[0]] * 3 + ["pymunk@7.0.0"]
 
 
@@ -159,8 +158,8 @@ def test_nothing_is_kept_that_was_disturbed_anywhere(disturbed, engines, tmp_pat
 def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(engines):
     versions = [AB[0]._replace(solver=f"pymunk@{version}") for version in ("6.11.1", "7.0.0")]
     with calls() as made:
-        found, _ = timed_pass.time_together([*AB, *versions], 8.0, 8.0, made)
-    assert [one for one, _ in found] == [*AB, *versions]
+        found, _ = timed_pass.together(clock.time_all, [*AB, *versions], 8.0, 8.0, made, "timings")
+    assert [*found] == [one.key for one in [*AB, *versions]]
     assert [(list(who), budget) for who, budget in made.made] == [
         (AB, 4.0), ([versions[0]], 2.0), ([versions[1]], 2.0),
     ]  # fmt: skip
@@ -185,9 +184,9 @@ def test_a_crash_at_the_clock_costs_nobody_else_a_timing(pool, lost):
     who = [AB[0]._replace(solver="pymunk" if s in "abc" else "exudyn", setting=Setting.of(s=s)) for s in "abcde"]
     made = calls()
     made._pool = pool
-    found, failed = timed_pass.time_together(who, 7.0, 10.0, made)
-    assert [one.setting["s"] for one, why in failed if why == "it ended"] == list(lost)
-    assert [one.setting["s"] for one, _ in found] == [s for s in "abcde" if s not in lost]
+    found, failed = timed_pass.together(clock.time_all, who, 7.0, 10.0, made, "timings")
+    assert [key[3]["s"] for key, why in failed.items() if why == "it ended"] == list(lost)
+    assert [key[3]["s"] for key in found] == [s for s in "abcde" if s not in lost]
 
 
 # --- what is timed ----------------------------------------------------------------------------------------------------

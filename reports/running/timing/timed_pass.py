@@ -6,12 +6,10 @@ How often a run is repeated, and when its time counts as disturbed, is in `clock
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from adapters.lookup import executables
-from adapters.processes.worker import CallResult
 from cases import Case
 
 from ..calls import Calls, StorePolicy
@@ -94,22 +92,19 @@ def measure(experiment: Experiment, full: bool, calls: Calls) -> Timings:
     """Time the selected cases one after another, each in one process without other load; stored timings are reused."""
     cases, in_turn = _in_turn(full, experiment)
     timings: dict[Key, Timing] = {}
-    failures: dict[str, str] = {}
+    failures: dict[Key, str] = {}
     deadline = time.perf_counter() + BUDGET
     share = FULL_BUDGET_A_CASE if full else BUDGET / max(len(cases), 1)
-
-    def one_by_one(alone: Calls) -> Iterator[None]:
-        for place, entrants in enumerate(in_turn):
-            remaining = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
-            measurements, problems = time_together(entrants, FULL_BUDGET_A_CASE if full else remaining, share, alone)
-            timings.update({one.key: timing for one, timing in measurements})
-            failures.update({f"{one.case.label}, {' '.join(map(str, one[1:4]))}": why for one, why in problems})
-            yield
-
     with calls.alone() as alone:
-        for _ in calls.progress("timings", len(cases), one_by_one(alone)):
-            pass
-    return Timings(tuple(cases), timings, failures)
+        for place, entrants in calls.progress("timings", len(cases), enumerate(in_turn)):
+            remaining = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
+            budget = FULL_BUDGET_A_CASE if full else remaining
+            measurements, problems = together(clock.time_all, entrants, budget, share, alone, "timings")
+            timings |= measurements
+            failures |= problems
+    return Timings(
+        tuple(cases), timings, {f"{key[0]}, {' '.join(map(str, key[1:]))}": failures[key] for key in failures}
+    )
 
 
 def _in_turn(full: bool, experiment: Experiment) -> tuple[list[Case], list[list[Contestant]]]:
@@ -124,19 +119,12 @@ def measure_extra(experiment: Experiment, selection: Collection[Key], full: bool
     colds: dict[Key, ColdStart] = {}
     shares: dict[Key, TimeBreakdown] = {}
     by_case = _entrants_by_case(selection, experiment)
-    cold_budget, parts_budget = (FULL_BUDGET_A_CASE,) * 2 if full else (COLD_BUDGET, PARTS_BUDGET)
-
-    def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
-        for entrants in by_case:
-            colds.update(_measure(partial(_cold_starts, cold_alone), entrants, cold_budget))
-            shares.update(_measure(partial(_parts, parts_alone), entrants, parts_budget))
-            yield
-
+    cold, parts = (FULL_BUDGET_A_CASE,) * 2 if full else (COLD_BUDGET, PARTS_BUDGET)
     # The process that forks the cold starts must not have compiled anything; hence separate processes.
     with calls.alone() as cold_alone, calls.alone() as parts_alone:
-        steps = one_by_one(cold_alone, parts_alone)
-        for _ in calls.progress(_EXTRA_STEP, len(by_case), steps):
-            pass
+        for entrants in calls.progress(_EXTRA_STEP, len(by_case), iter(by_case)):
+            colds |= together(cold_start.first_calls, entrants, cold, cold, cold_alone, _EXTRA_STEP)[0]
+            shares |= together(time_breakdown.parts_of_all, entrants, parts, parts, parts_alone, _EXTRA_STEP)[0]
     return ExtraTimings(colds, shares)
 
 
@@ -146,20 +134,8 @@ def _entrants_by_case(selection: Collection[Key], experiment: Experiment) -> lis
     return [entrants for entrants in by_case if entrants]
 
 
-def _cold_starts(alone: Calls, entrants: Sequence[Contestant], share: float) -> list[CallResult]:
-    limit, group = share + PATIENCE, _group(entrants)
-    return alone.all(_EXTRA_STEP, cold_start.first_calls, [(entrants, share)], limit=limit, keep=_KEEP, group=group)
-
-
-def _parts(alone: Calls, entrants: Sequence[Contestant], share: float) -> list[CallResult]:
-    limit, group = share + PATIENCE, _group(entrants)
-    return alone.all(
-        _EXTRA_STEP, time_breakdown.parts_of_all, [(entrants, share)], limit=limit, keep=_KEEP, group=group
-    )
-
-
 def _group(entrants: Sequence[Contestant]) -> str:
-    """The worker of contestants of one process (`_by_version`).
+    """The worker of contestants of one process (`together`).
 
     All unversioned solvers share one, whichever of them a case has: another one would import the engines again, and a
     process in which other modules are imported is another process to be timed in."""
@@ -167,24 +143,9 @@ def _group(entrants: Sequence[Contestant]) -> str:
     return name if split_version(name)[1] else SEVERAL
 
 
-def _measure(ask: Callable[..., list[CallResult]], entrants: Sequence[Contestant], budget: float) -> dict[Key, Any]:
-    """The measurement of each contestant, within `budget` wall seconds for all processes together."""
-    measurements: dict[Key, Any] = {}
-    for some in _by_version(entrants):
-        (answer,) = ask(some, budget * len(some) / len(entrants))
-        results = answer.value if answer.outcome == "done" else {}
-        measurements |= {one.key: value for one in some if (value := results.get(one.key, _NONE)[0])}
-    return measurements
-
-
 def _is_quiet(results: Mapping[Key, tuple[Any, str]]) -> bool:
     """Whether no measurement was disturbed; only then the results are stored."""
     return not any(getattr(value, "disturbed", False) for value, _ in results.values())
-
-
-def _by_version(entrants: Sequence[Contestant]) -> list[list[Contestant]]:
-    """The contestants by process: each solver selected with a version has its own process."""
-    return _by(entrants, lambda one: one.solver if split_version(one.solver)[1] else "")
 
 
 def _by(entrants: Sequence[Contestant], key: Callable[[Contestant], str]) -> list[list[Contestant]]:
@@ -203,34 +164,38 @@ def _content(entrants: Sequence[Contestant], budget: float) -> tuple:
 _KEEP = StorePolicy("timing", of=_content, worth=_is_quiet)
 
 
-def time_together(
-    entrants: Sequence[Contestant], budget: float, share: float, alone: Calls
-) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
-    """Time contestants in turn in one process; returns the timings, stored or new, and the failures.
+def together(
+    function: Callable, entrants: Sequence[Contestant], budget: float, share: float, alone: Calls, step: str
+) -> tuple[dict[Key, Any], dict[Key, str]]:
+    """Measure contestants in one process by `function(entrants, budget)`; returns the measurements, stored or new, and
+    the reasons of failures.
 
-    Timings are stored if none is disturbed, with `share`, their part of the budget, in the key. Versions of an engine
-    have separate processes, one after another; if a process ends, each solver has one, and then each setting.
+    Measurements are stored if none is disturbed, with `share`, their part of the budget, in the key. Versions of an
+    engine have separate processes, one after another; if a process ends, each solver has one, and then each setting.
     """
-    processes, late = _by_version(entrants), 0
+    processes, late = _by(entrants, lambda one: one.solver if split_version(one.solver)[1] else ""), 0
     if len(processes) == 1:
         keep = _KEEP._replace(of=lambda entrants, _: _content(entrants, share))
-        (answer,) = alone.all(
-            "timings", clock.time_all, [(entrants, budget)], limit=budget + PATIENCE, keep=keep, group=_group(entrants)
-        )
+        limit, group = budget + PATIENCE, _group(entrants)
+        (answer,) = alone.all(step, function, [(entrants, budget)], limit=limit, keep=keep, group=group)
         if answer.outcome == "done" or len(entrants) == 1:
             lost = _NONE if answer.outcome == "done" else (None, answer.failure[1])
-            results = [(one, *(answer.value or {}).get(one.key, lost)) for one in entrants]
-            return [(one, found) for one, found, _ in results if found], [(one, why) for one, _, why in results if why]
+            results = {one.key: (answer.value or {}).get(one.key, lost) for one in entrants}
+            return (
+                {key: value for key, (value, _) in results.items() if value},
+                {key: why for key, (_, why) in results.items() if why},
+            )
         processes = _by(entrants, lambda one: one.solver)
         processes = processes if len(processes) > 1 else [[one] for one in entrants]
-    measurements: list[tuple[Contestant, Timing]] = []
-    problems: list[tuple[Contestant, str]] = []
+    measurements: dict[Key, Any] = {}
+    failures: dict[Key, str] = {}
     for some in processes:
         if late > _MOST_LATE:
-            problems += [(one, "not tried: others of its solver timed out") for one in some]
+            failures |= {one.key: "not tried: others of its solver timed out" for one in some}
             continue
         part = len(some) / len(entrants)
-        timings, failures = time_together(some, budget * part, share * part, alone)
-        measurements, problems = [*measurements, *timings], [*problems, *failures]
-        late += len(some) == 1 and bool(failures) and "still running" in failures[0][1]
-    return measurements, problems
+        more, lost_ones = together(function, some, budget * part, share * part, alone, step)
+        measurements |= more
+        failures |= lost_ones
+        late += len(some) == 1 and "still running" in lost_ones.get(some[0].key, "")
+    return measurements, failures
