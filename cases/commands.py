@@ -1,6 +1,6 @@
 """The command `python -m cases`.
 
-    python -m cases                            lists every case, hard ones with a star
+    python -m cases [list]                     lists every case, hard ones with a star
     python -m cases new NAME [--force]         writes NAME.py, a commented case to start from
     python -m cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
                                                happens
@@ -32,7 +32,7 @@ from .errors import BadValue, CaseError, unknown_name
 from .files import owned_folder
 from .files.command_line import program, status
 
-OWN = ("new", "check")
+OWN = ("list", "new", "check")
 
 CENTRE_OUTSIDE = (
     "the centre of mass, the origin of the outline, lies outside the outline; if that is not meant, use "
@@ -82,10 +82,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> None:
     if {"-h", "--help"} & {*words[:1]} or ({*OWN} & {*words[:1]} and {"-h", "--help"} & {*words}):
         print((__doc__ or "").strip())
-    elif not words:
-        print(listing())
     else:
-        run_command(words[0], words[1:])
+        run_command(words[0] if words else "list", words[1:])
 
 
 def run_command(command: str, words: Sequence[str]) -> None:
@@ -99,6 +97,9 @@ def run_command(command: str, words: Sequence[str]) -> None:
                 f"{command} needs the installed suite: pip install -e . first, or python -m reports.{command}"
             )
         function(words)
+        return
+    if command == "list":
+        print(listing())
         return
     if command == "check":
         if not words:

@@ -88,6 +88,8 @@ class NotSupported(CaseError):
 
 # Names shown in a message; of a longer list the message gives the total.
 MOST_NAMES = 16
+# Names of so many letters have no nearest spelling.
+SHORT = 3
 
 
 def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
@@ -96,13 +98,15 @@ def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
 
     choices = sorted(names)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
-    # A short list is shown completely: the nearest spelling is seldom right for names of one or two letters.
+    likely = difflib.get_close_matches(name, choices, n=1, cutoff=0.8)
+    # A short list is shown completely: the nearest spelling is seldom right for short names.
     if near and len(choices) > 8:
         return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
     if not choices:
         return UnknownName(f"there is no {kind} {name!r}, and none can be given here")
     listing = ", ".join(choices[:MOST_NAMES]) + (f", … ({len(choices)} in all)" if len(choices) > MOST_NAMES else "")
-    return UnknownName(f"there is no {kind} {name!r}; choose from {listing}")
+    hint = f"; did you mean {likely[0]}?" if likely and len(name) > SHORT else ""
+    return UnknownName(f"there is no {kind} {name!r}; choose from {listing}{hint}")
 
 
 def choice(kind: str, name: object, names: Iterable[str]) -> str:

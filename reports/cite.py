@@ -20,10 +20,12 @@ SUITE = """\
 }}
 """
 PAPER = """\
-@article{ogaru_pandrea,
-  title  = {On the motion of a plate forced to move with friction over a fixed curve},
-  author = {Ogaru and Pandrea},
-  note   = {The equations that the reference of slip-to-roll solves},
+@misc{ogaru_pandrea,
+  title        = {Asupra mișcării unei plăci obligată să se miște cu frecare peste o curbă fixă},
+  titleaddon   = {On the motion of a plate forced to move with friction over a fixed curve},
+  author       = {Ogaru, Sandel and Pandrea, Nicolae},
+  organization = {Universitatea din Pitești},
+  note         = {In Romanian. The equations that the reference of slip-to-roll solves},
 }
 """
 

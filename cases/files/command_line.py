@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import os
 import signal
 import sys
 import threading
@@ -79,7 +80,12 @@ def _status(command: str, work: Callable[[list[str]], int | None], words: list[s
     """The same, except for Ctrl-C."""
     try:
         _check_address_space()
-        return work(words) or 0
+        code = work(words) or 0
+        sys.stdout.flush()  # so that a pipe that is closed shows here
+        return code
+    except BrokenPipeError:  # whoever reads has enough, as `head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 128 + signal.SIGPIPE if hasattr(signal, "SIGPIPE") else 1
     except CaseError as problem:
         print(f"{command}: {problem}", file=sys.stderr)
         return 2

@@ -3,6 +3,8 @@
 import os
 import re
 import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -296,3 +298,13 @@ def test_a_command_that_is_ended_leaves_no_unfinished_file(number, code, tmp_pat
         signal.signal(signal.SIGINT, before)
     assert list(tmp_path.iterdir()) == [] and capsys.readouterr().err == "\ntest: stopped\n"
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_a_reader_that_has_enough_hears_nothing_more():
+    """As `head`, which closes the pipe."""
+    run = [sys.executable, "-m", "cases", "list"]
+    with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 128 + signal.SIGPIPE

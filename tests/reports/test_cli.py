@@ -74,4 +74,4 @@ def test_the_citation_is_of_the_version_that_runs(capsys):
     assert cli.main(["cite"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("@software{slip_to_roll,") and f"version = {{{cases.__version__}}}" in out
-    assert out.count("{") == out.count("}") and "@article{ogaru_pandrea," in out
+    assert out.count("{") == out.count("}") and "@misc{ogaru_pandrea," in out
