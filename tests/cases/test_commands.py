@@ -308,3 +308,14 @@ def test_a_reader_that_has_enough_hears_nothing_more():
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 128 + signal.SIGPIPE
+
+
+@pytest.mark.parametrize("module", ["cases", "reports.build"])
+def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
+    """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
+    words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
+    output = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert output.returncode == 2 and output.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
+    assert output.stderr.endswith(
+        "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
+    )

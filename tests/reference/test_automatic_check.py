@@ -9,7 +9,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, Chain, CoulombFriction, Curve, Flight, Gravity, Impact, Start, Unilateral, disc
+from cases import Case, Chain, CoulombFriction, Curve, Flight, Gravity, Impact, Start, StartPose, Unilateral, disc
 from reference import solve
 from reference.certification import NotCertified
 from reference.endings import BROKEN_LAW
@@ -79,6 +79,17 @@ def test_a_planted_solver_ends_as_a_broken_law(fault, method, monkeypatch):
     assert motion.status == BROKEN_LAW
     assert law in motion.reason and "broken by" in motion.reason and "It ended as" in motion.reason
     assert BROKEN_LAW in motion.in_words()
+
+
+REST = StartPose(0.0, 0.1, 0.0, 0.0, 0.0, 1e-16)
+
+
+@pytest.mark.parametrize("effects", [(Gravity(9.81),), ()], ids=["weight", "weightless"])
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_rest_with_roundings_breaks_no_law(effects, method):
+    """Speeds and forces of roundings are compared with scales that do not vanish with them."""
+    case = Case(cases.library.line(), disc(0.1, 1.0), (*effects, CoulombFriction(0.3), Unilateral()), REST, 1.0)
+    assert reference.simulate(case, method=method).status == "completed"
 
 
 @pytest.mark.taylor

@@ -1,13 +1,15 @@
 """A belt: exact values, agreement of three assemblies of the equations, the work that it does, and wrong input."""
 
 from dataclasses import replace
+from math import pi, sqrt
 
 import numpy as np
 import pytest
 
+import cases
 import reference
-from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Plate, Start, Unilateral
-from cases.library import ellipse, line
+from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Plate, Start, Unilateral, disc
+from cases.library import circle, ellipse, line
 from tests.scenes.agreement import agree
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
@@ -40,6 +42,23 @@ def test_disc_on_a_belt_that_accelerates_more_and_more_rolls_until_three_mu_g(me
     assert at.vx == pytest.approx(jerk / 6, abs=EXACT)
 
 
+@pytest.mark.sampled(3)
+@METHODS
+def test_belt_of_constant_speed_changes_nothing_for_a_rolling_pendulum(method):
+    """In v = b the belt's acceleration does not occur: (3/2) (R − r) φ̈ = −g sin φ, with the period of its swing."""
+    swing, length = 0.5, 1.5 * 0.9
+    effects = (Gravity(G), CoulombFriction(0.8), Unilateral(), Belt(1.7))
+    case = Case(circle(1.0), disc(R, M), effects, Start(-pi / 2 + swing, omega=17.0), 2.0)
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    assert not motion.transitions
+    # The period of a pendulum by the arithmetic-geometric mean.
+    a, b = 1.0, np.cos(swing / 2)
+    while abs(a - b) > 1e-16:
+        a, b = (a + b) / 2, sqrt(a * b)
+    quarter = pi / (2 * a) * sqrt(length / G)
+    assert motion(quarter).xi1 == pytest.approx(-pi / 2, abs=10 * EXACT)
+
+
 @pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("speed", [0.8, -2.0])
 def test_uniform_belt_on_a_line_is_the_scene_without_it_in_a_moving_frame(speed):
@@ -68,3 +87,13 @@ def test_pulse_of_a_belt_is_not_stepped_over():
     assert motion.transitions[0].time == pytest.approx(1.0, abs=1e-5)
     assert motion.transitions[1].time == pytest.approx(1.0 + 1.0 / (3 * 0.3 * G), abs=1e-5)
     agree(case)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("name", ["block_on_conveyor", "block_on_conveyor[speed=0.8,mu_static=0,stiffness=0]"])
+def test_a_block_that_lies_flat_does_not_turn(name, method):
+    """Its acceleration ω̇ is exactly zero while both corners slip or stick; roundings of it would add up to 1e-13 rad/s.
+    What is left are impacts' roundings of a velocity that is set to zero."""
+    motion = reference.simulate(cases.load(name), method=method)
+    assert motion.status == "completed"
+    assert np.abs(motion(np.linspace(0.0, float(motion.t[-1]), 301)).omega).max() <= 1e-30

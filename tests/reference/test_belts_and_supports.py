@@ -1,6 +1,7 @@
 """A belt together with a second contact: exact motions, two formulations, the paper's matrix, and the belts' work."""
 
-from math import atan, cos, exp, pi, sin, sqrt
+from dataclasses import replace
+from math import atan, cos, exp, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from cases import (
     Case,
     CoulombFriction,
     Flight,
+    FreePlate,
     Gravity,
     Impact,
     Load,
     Mode,
+    Pair,
     PerfectlyRough,
     Plate,
     StartPose,
@@ -22,10 +25,13 @@ from cases import (
     Unilateral,
     disc,
 )
+from cases.contact import belt_speed
 from cases.library import line
+from cases.motion.mechanics import energy
 from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
-from tests.scenes.supports import slow
+from tests.scenes.motions import contact_case, work_done
+from tests.scenes.supports import simulated, slow
 
 G = 9.81
 INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -72,6 +78,21 @@ def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
         assert at.normal_force == pytest.approx([first / MU, G + sticking], rel=1e-12)
         end = motion(2.0)
         assert (end.x, end.y, R * end.omega) == pytest.approx((side * R, R, -side * speed), abs=1e-12)
+
+
+@pytest.mark.sampled(6)
+@METHODS
+@pytest.mark.parametrize("towards", [True, False])
+def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towards):
+    """On a belt of speed c t² the disc spins with ω̇ = 2 c t/r, and F₁ − F₂ = m c t. Towards the wall, where
+    F₁ = (μ₂ P + m c t)/(1 − μ₂), F₁ reaches μ₁ (m g + F₂). Away from it it is (μ₂ P + m c t)/(1 + μ₂), and reaches
+    μ₁ (m g − F₂) with F₂ = μ₂ (P − F₁)."""
+    c, sign = 2.0, 1.0 if towards else -1.0
+    most = MU * (G + sign * MU_WALL * PRESS) / (1.0 - MU * MU_WALL)
+    case = disc_at_wall(f"{-sign * c}*t**2", duration=1.6)
+    (change,) = motion_by(case, method).transitions
+    assert change.before is Mode.ROLL and change.contact == "plate/track"
+    assert change.time == pytest.approx((most * (1.0 - sign * MU_WALL) - MU_WALL * PRESS) / c, abs=1e-12)
 
 
 @pytest.mark.sampled(2)
@@ -135,6 +156,21 @@ def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
 
 @pytest.mark.sampled(2)
 @METHODS
+def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
+    case = block_on_belt("2*t*t", mu=0.3)
+    motion = motion_by(case, method)
+    assert [t.contact for t in motion.transitions] == ["plate/track", "plate/track 2"]
+    assert [t.time for t in motion.transitions] == pytest.approx([0.3 * G / 4.0] * 2, abs=1e-10)
+    if method != "second":
+        # Before that, the friction of both is m v̇, and their normal forces have the moment that takes.
+        at = motion.contacts["plate/track"], motion.contacts["plate/track 2"]
+        now = [motion.contact_columns(name, np.array([0.5])) for name in motion.contact_names]
+        assert abs(now[0].normal_force[0] - now[1].normal_force[0]) == pytest.approx(2.0 * 0.2 / 0.3, rel=1e-10)
+        assert np.isnan(now[0].friction_force[0]) and len(at[0].slip) == len(motion.t)
+
+
+@pytest.mark.sampled(2)
+@METHODS
 def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
     """A block of width w and height h tips about its rear corner at v̇ = g w/h."""
     case = block_on_belt("8*t*t", mu=2.0)
@@ -187,3 +223,41 @@ def test_an_impact_slips_against_the_belt_of_a_support(method, mu):
     end = motion(0.2)
     assert (end.vx, end.vy) == pytest.approx((e * v, along - G * 0.2), abs=1e-13)
     assert r * end.omega == pytest.approx(-2.0 * along, rel=1e-12)
+
+
+# --- work -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_work_of_belts_and_friction_is_the_gain_of_energy():
+    """A disc in a V of two planes, one of them a belt of changing speed: it slips and sticks."""
+    effects = (*INELASTIC, CoulombFriction(0.3), Belt("1.5 + sin(5*t)"))
+    right = Support(line(-0.7), "right", (CoulombFriction(0.2),))
+    start = StartPose(0.0, R / cos(0.7))
+    motion = simulated(Case(line(0.7), disc(R, 1.0), effects, start, 2.0, supports=(right,)))
+    assert len(motion.transitions) >= 2
+    total = energy(motion.case, motion)
+    gain, work = total[-1] - total[0], work_done(motion.case, motion)
+    assert abs(work) > 0.1 and gain == pytest.approx(work, abs=1e-10)
+    belt = contact_case(motion.case, "plate/track"), contact_case(motion.case, "plate/right")
+    assert (belt_speed(belt[0], 0.0), belt_speed(belt[1], 0.0)) == (1.5, 0.0)
+
+
+# --- the checks -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("inertia", [None, inf])
+def test_a_belt_drives_what_lies_on_it_and_nothing_that_lies_on_that(inertia):
+    """A box slips on a belt until μ g t is its speed, and a disc on the box rolls: its centre has a third of μ g. Then
+    both go on as they are: the disc with its centre at a third of the belt's speed and the rim at the box's."""
+    speed, mu = 0.6, 0.2
+    effects = (*(e for e in INELASTIC if not isinstance(e, CoulombFriction)), CoulombFriction(mu), Belt(speed))
+    pairs = (Pair("upper/plate", (PerfectlyRough(),)),)
+    box = replace(Plate.rectangle(1.0, 0.2, 1e6), **({} if inertia is None else {"inertia": inertia}))
+    upper = FreePlate(disc(R, 1.0), StartPose(0.0, 0.2 + R), "upper")
+    motion = reference.simulate(Case(line(), box, effects, StartPose(0.0, 0.1), 0.4, others=(upper,), pairs=pairs))
+    assert motion.status == "completed"
+    assert motion.transitions[0].time == pytest.approx(
+        speed / (mu * G), rel=1e-6
+    )  # of a box as heavy as a million discs
+    assert motion.vx[-1] == pytest.approx(speed, rel=1e-12)
+    assert motion.plate("upper").vx[-1] == pytest.approx(speed / 3.0, rel=1e-9)

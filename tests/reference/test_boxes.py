@@ -40,6 +40,24 @@ def on(track, plate, *effects, start, duration=2.0):
 # --- exact ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("method", [None, "dop853"])
+def test_a_box_slides_on_its_flat_side_and_stops(method):
+    case = on(library.line(), BOX, CoulombFriction(0.3), start=Start(0.0, slip=1.0))
+    motion = reference.simulate(case, rtol=1e-14, method=method)
+    assert motion.status == "completed" and motion.contact_names == ("plate/track", "plate/track 2")
+    assert [(t.before, t.after) for t in motion.transitions] == [(Mode.SLIP_FORWARD, Mode.ROLL)] * 2
+    assert [t.time for t in motion.transitions] == pytest.approx([1.0 / (0.3 * G)] * 2, rel=EXACT)
+    end = motion(2.0)
+    assert (end.x, end.y, end.theta) == pytest.approx((1.0 / (2 * 0.3 * G), 0.1, 0.0), abs=EXACT)
+    rest = [motion.contact_columns(name, np.array([1.5])) for name in motion.contact_names]
+    assert [float(one.normal_force[0]) for one in rest] == pytest.approx([0.75 * G] * 2, rel=EXACT)
+    assert all(np.isnan(one.friction_force[0]) for one in rest)  # only their sum is unique
+    # The front corner carries more: friction has the arm of half the height.
+    front, back = (float(motion.of(name)(0.1).normal_force) for name in motion.contact_names)
+    assert front + back == pytest.approx(1.5 * G, rel=EXACT)
+    assert (front - back) * 0.2 == pytest.approx(0.3 * 1.5 * G * 0.1, rel=EXACT)
+
+
 def test_a_tilted_box_lands_on_a_corner_and_lies_down():
     """The corner sticks, the box turns about it and lies down: wide boxes come to rest there."""
     tilt, height = 0.3, 0.3
@@ -65,6 +83,17 @@ def test_a_tilted_box_lands_on_a_corner_and_lies_down():
     end = motion(2.0)
     assert (end.y, end.theta, end.omega) == pytest.approx((0.1, 0.0, 0.0), abs=EXACT)
     assert end.x == pytest.approx(0.2 - side, abs=EXACT)
+
+
+def test_a_box_dropped_flat_bounces_as_a_point_mass():
+    case = on(library.line(), BOX, CoulombFriction(0.5), Flight(), Impact(0.5, "newton"),
+              start=Start(0.0, gap=0.5), duration=1.2)  # fmt: skip
+    motion = reference.simulate(case, rtol=1e-14)
+    fall = sqrt(2 * 0.5 / G)
+    times = sorted({round(t.time, 13) for t in motion.transitions})[:3]
+    assert times == pytest.approx([fall, 2 * fall, 2.5 * fall], rel=EXACT)
+    # The geometric series of the bounces ends after 3 times the fall.
+    assert motion.transitions[-1].time == pytest.approx(3 * fall, rel=1e-9)
 
 
 # --- the catalogue ----------------------------------------------------------------------------------------------------
@@ -101,6 +130,28 @@ def test_a_sliding_box_tips_about_its_front_corner_and_overturns():
     upright = quad(wait, 0.0, psi, epsabs=1e-14, epsrel=1e-13)[0]
     assert motion(stop.time + upright).theta == pytest.approx(-first, abs=1e-11)
     assert motion(1.0).theta == pytest.approx(-pi / 2, abs=EXACT) and motion(1.0).omega == 0.0
+
+
+@pytest.mark.slow
+def test_a_half_disc_rocks_with_constant_energy_while_it_rolls():
+    case = cases.load("half_disc_rocking", mu=0.5)
+    motion, r, off = reference.simulate(case, rtol=1e-14), 0.2, 0.8 / (3.0 * pi)
+    assert case.plate.inertia == pytest.approx(r**2 * (0.5 - (4.0 / (3.0 * pi)) ** 2), rel=EXACT)
+
+    def inertia(angle):  # about the contact
+        return case.plate.inertia + r**2 + off**2 - 2.0 * r * off * cos(angle)
+
+    def wait(part):  # angle = 1.2 cos part removes the singularities of the turning points
+        angle = 1.2 * cos(part)
+        fall = 2.0 * G * off * 2.0 * sin(0.6 + 0.5 * angle) * sin(0.6 - 0.5 * angle)
+        return 1.2 * sin(part) * sqrt(inertia(angle) / fall)
+
+    half = quad(wait, 0.0, pi, epsabs=1e-14, epsrel=1e-13)[0]
+    assert motion.status == "completed" and motion.transitions == ()
+    assert abs(motion(half).theta) == pytest.approx(1.2, abs=1e-11) and motion(half).omega == pytest.approx(
+        0, abs=1e-10
+    )
+    assert motion(half).theta == pytest.approx(-float(motion(0.0).theta), abs=1e-11)
 
 
 # --- starts -----------------------------------------------------------------------------------------------------------

@@ -7,7 +7,8 @@ import pytest
 import sympy as sp
 
 import cases
-from cases import CoulombFriction, Gravity, Unilateral
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Transition, Unilateral, disc
+from cases import curves as c
 from reference import __main__ as command
 from reference import simulate
 from reference.__main__ import main
@@ -16,6 +17,7 @@ from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
 from reference.minimal.integrators import taylor
 from tests.authorities.many_digits import STATES, TIMES, computed
+from tests.scenes import second as second_states
 
 BOWLED = cases.load("disc_on_line[mu=0.1]")
 
@@ -111,6 +113,14 @@ def test_witnesses_that_tell_different_stories_are_named_and_the_scene_is_not_bl
     assert "roll at 0.3397" in text and "lift_off at" in text
 
 
+def test_witnesses_that_tell_different_times_are_named_with_them(monkeypatch):
+    def late(witness):
+        (t,) = witness.transitions
+        return witness._replace(transitions=(Transition(t.time + 1e-5, t.before, t.after, t.xi1, t.xi2),))
+
+    assert "roll at 0.33978933" in disagreeing(monkeypatch, late)
+
+
 @pytest.mark.skipif(not taylor.AVAILABLE, reason="without heyoka no other witness has places")
 def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
     """A place that is known to a hundredth of the plate only."""
@@ -127,6 +137,22 @@ def test_a_scene_that_hangs_on_the_last_bit_is_called_so():
     """The slip of a swinging disc that just touches zero: a rounding decides whether it does."""
     with pytest.raises(NotCertified, match="roundings gives .*ill-conditioned"):
         certify(cases.load("touching_slip[above=0]"))
+
+
+# --- second contacts --------------------------------------------------------------------------------------------------
+
+
+def wide_disc() -> Case:
+    track = Curve(lambda s: (s, -0.5 * c.cos(2 * s)), domain=(-3, 3))
+    return Case(track, disc(0.6, 1.0), (Gravity(9.81), CoulombFriction(0.2), Unilateral()), Start(-1.2), 3.0)
+
+
+def test_a_second_contact_is_seen_by_both_formulations():
+    """A disc too wide for a valley's bottom touches both flanks with its centre above the bottom."""
+    case = wide_disc()
+    first, second = simulate(case, rtol=1e-13), second_states.motion(case, rtol=1e-13)
+    assert first.status == second.status == "second_contact"
+    assert second.end == pytest.approx(first.t[-1], abs=1e-11)
 
 
 # --- python -m reference ----------------------------------------------------------------------------------------------
@@ -148,6 +174,12 @@ def kept(tmp_path, bowled, monkeypatch):
 
 def statuses(path) -> dict[str, str]:
     return {row["case"]: row["status"] for row in json.loads(path.read_text())}
+
+
+def test_a_part_of_the_truth_is_rebuilt_and_the_rest_stays(kept, capsys):
+    assert main(["--only", "disc_on_line[mu=0.3]", "--jobs", "1"], kept) == 0
+    assert statuses(kept) == {"disc_on_line[mu=0.1]": "as it was", "disc_on_line[mu=0.3]": "completed"}
+    assert "1/1 disc_on_line[mu=0.3]" in capsys.readouterr().out
 
 
 def test_a_case_without_a_certificate_is_told_and_the_others_are_kept(kept, monkeypatch, bowled, capsys):

@@ -53,6 +53,32 @@ def hill(radius: float, x: float, y: float) -> Curve:
 
 
 @METHOD
+@pytest.mark.parametrize("support", [False, True])
+def test_a_box_over_seams_in_line_keeps_its_speed(support, method):
+    """It slows down by μ g alone: x = v t − μ g t²/2."""
+    tiles = Chain.polyline([(-1.0, 0.0), (0.3, 0.0), (0.5, 0.0), (0.9, 0.0), (3.0, 0.0)])
+    track, supports = (line(0.0), (Support(tiles, "tiles"),)) if support else (tiles, ())
+    if support:
+        track = Curve(lambda s: (s, -2.0 + 0.0 * s))
+    effects = (*INELASTIC, CoulombFriction(0.3))
+    case = Case(track, BOX, effects, StartPose(0.0, 0.05, vx=2.0), 0.5, supports=supports)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed" and not motion.transitions
+    assert motion.x[-1] == pytest.approx(2.0 * 0.5 - 0.3 * G / 8.0, abs=1e-12)
+
+
+@METHOD
+def test_a_block_slips_on_a_table_that_tilts_from_the_start(method):
+    """On y = 0 of a table that turns about the origin with w, the block at x = 0.5 slips where friction no longer
+    carries g sin wt + 0.5 w² = 0.3 (g cos wt − 0.1 w²)."""
+    effects = (*INELASTIC, CoulombFriction(0.3), Drive(angle="-0.2*t"))
+    case = Case(line(), Plate.rectangle(0.2, 0.2, 1.0), effects, StartPose(0.5, 0.1, 0.0, 0.02, -0.1, -0.2), 2.0)
+    motion = reference.simulate(case, method=method)
+    assert [change.after for change in motion.transitions[:2]] == [Mode.SLIP_FORWARD] * 2
+    assert motion.transitions[0].time == pytest.approx(1.446934363956, abs=1e-10)
+
+
+@METHOD
 def test_the_upper_of_two_boxes_slips_where_the_lower_one_is_pushed_too_hard(method):
     """A force k t at the lower one of 2 kg: both slide where k t > μ (m₁ + m₂) g, and the upper one stays behind where
     their acceleration k t/(m₁ + m₂) − μ g exceeds μ g."""
@@ -83,6 +109,23 @@ def test_a_disc_rolls_into_a_curb(height, method):
     assert motion.transitions[0].time == pytest.approx(time, abs=1e-11)
     after = motion(np.nextafter(motion.transitions[0].time, 2.0)).omega
     assert after == pytest.approx(-speed / r * (1.0 - 2.0 * height / (3.0 * r)), rel=1e-12)
+
+
+@METHOD
+def test_the_upper_of_two_boxes_on_an_accelerated_table_slips_by_the_friction_of_its_pair(method):
+    """The table's acceleration 6 t exceeds μ₁ g, by which the upper box is held; the lower one stays on the table."""
+    upper = FreePlate(BOX, StartPose(0.0, 0.15), "upper")
+    effects, own = (*INELASTIC, CoulombFriction(0.6), Drive(x="t**3")), Pair("plate/upper", (CoulombFriction(0.2),))
+    lower = Plate.rectangle(0.8, 0.1, 2.0)
+    case = Case(line(), lower, effects, StartPose(0.0, 0.05), 0.5, others=(upper,), pairs=(own,))
+    motion = reference.simulate(case, method=method)
+    assert all(change.contact.startswith("plate/upper") for change in motion.transitions)
+    assert motion.transitions[0].time == pytest.approx(0.2 * G / 6.0, abs=1e-11)
+    assert motion.plate("plate")(0.5).x == pytest.approx(0.125, abs=1e-12)
+    begin = 0.2 * G / 6.0
+    speed = 3.0 * begin**2 + 0.2 * G * (0.5 - begin)
+    assert motion.plate("upper")(0.5).vx == pytest.approx(speed, abs=1e-11)
+    assert not reference.check(case, motion)
 
 
 @METHOD
@@ -117,6 +160,31 @@ def test_a_box_tips_where_its_weight_exceeds_the_couple_of_rolling_resistance(ar
         assert (abs(motion.theta[-1]) > 1e-9) == bool(count) and not reference.check(case, motion)
 
 
+@METHOD
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
+def test_an_impact_has_the_friction_of_the_slip_speed_before_it(law, method):
+    """Twice: a disc (r = 0.1) slows down by μ(v) (1 + e) times its closing speed, and its slip three times as much."""
+    e, speed, mu = 0.5, 2.0, lambda v: 0.1 + 0.2 * np.exp(-v / 0.5)
+    effects = Gravity(G), Unilateral(), Flight(), CoulombFriction("0.1 + 0.2*exp(-v/0.5)"), Impact(e, law)
+    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, slip=speed, gap=0.3), 0.6)
+    motion = reference.simulate(case, method=method)
+    closing = sqrt(2.0 * G * 0.3)
+    first = mu(speed) * (1.0 + e) * closing
+    second = mu(speed - 3.0 * first) * (1.0 + e) * e * closing
+    assert motion(0.3).vx == pytest.approx(speed - first, abs=1e-13)
+    assert motion(0.55).vx == pytest.approx(speed - first - second, abs=1e-13)
+    assert not reference.check(case, motion)
+
+
+def test_plates_without_an_impact_run_until_they_meet():
+    ball = FreePlate(disc(0.1, 0.5), StartPose(0.0, 0.7), "ball")
+    effects = Gravity(G), Unilateral(), Flight(), CoulombFriction(0.4)
+    case = Case(line(), Plate.rectangle(0.4, 0.2, 1.0), effects, StartPose(0.0, 0.1), 1.0, others=(ball,))
+    motion = reference.simulate(case)
+    assert motion.status == "landing" and "The plate 'ball' meets the plate 'plate'" in motion.reason
+    assert motion.t[-1] == pytest.approx(sqrt(0.8 / G), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("pairs", "words"),
     [
@@ -131,6 +199,16 @@ def test_pairs_that_a_case_does_not_have_are_rejected(pairs, words):
 
 
 @dataclass(frozen=True)
+class Grease(ContactEffect):
+    """A force against the slip, `drag` times as large (N s/m), at each contact."""
+
+    drag: float
+
+    def force(self) -> ContactForce:
+        return ContactForce(along=f"-{self.drag!r}*slip")
+
+
+@dataclass(frozen=True)
 class Magnet(ContactEffect):
     """A force towards the track (N), and an end where the slip exceeds a speed (m/s)."""
 
@@ -142,6 +220,18 @@ class Magnet(ContactEffect):
 
     def ends(self) -> tuple[EndCondition, ...]:
         return (EndCondition("too_fast", f"{self.fastest**2!r} - slip**2", "It flew off."),)
+
+
+@METHOD
+def test_an_effect_of_a_package_acts_at_each_contact(method):
+    """At both corners of a box: v = exp(−2 d t/m)."""
+    drag, mass = 1.5, 2.0
+    case = Case(
+        line(), Plate.rectangle(0.4, 0.01, mass), (*INELASTIC, Grease(drag)), StartPose(0.0, 0.005, vx=1.0), 1.0
+    )
+    motion = reference.simulate(case, method=method)
+    assert motion(1.0).vx == pytest.approx(np.exp(-2.0 * drag / mass), abs=1e-10)
+    assert not reference.check(case, motion)
 
 
 @METHOD

@@ -7,6 +7,7 @@ import pytest
 
 import reference
 from cases import (
+    Belt,
     Case,
     Chain,
     CoulombFriction,
@@ -14,12 +15,15 @@ from cases import (
     Gravity,
     Impact,
     Mode,
+    PerfectlyRough,
     Plate,
     Start,
     Unilateral,
     disc,
     library,
 )
+from cases.contact import pose
+from tests.reference.test_corners import over_an_edge
 from tests.scenes import second as second_states
 
 G, R, DEPTH = 9.81, 0.1, 1.0
@@ -55,6 +59,23 @@ def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
     assert motion(1.5).vx == pytest.approx(v, rel=EXACT) and motion(1.5).omega == pytest.approx(-v / R, rel=EXACT)
 
 
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize(("v", "mu"), [(0.2, 0.5), (0.4, 0.2)])
+def test_slow_disc_turns_about_the_edge_and_lands_after_its_throw(v, mu):
+    """It leaves the edge at the angle φ with speed √(g r cos φ), and falls by h + r cos φ − r on a parabola."""
+    (_, angle), (_, leaves) = over_an_edge(v, mu)
+    speed, drop = sqrt(G * R * cos(angle)), DEPTH + R * cos(angle) - R
+    down = speed * sin(angle)
+    fall = (sqrt(down**2 + 2 * G * drop) - down) / G
+    case = on(TABLE, disc(R, 1.0), CoulombFriction(mu), Impact(0.0), xi1=0.9, omega=-v / R, duration=2.0)
+    motion = reference.simulate(case, rtol=1e-14)
+    thrown, landed = (t for t in motion.transitions if Mode.FLIGHT in (t.before, t.after))
+    assert thrown.time == pytest.approx(0.1 / v + leaves, rel=EXACT)
+    assert landed.time == pytest.approx(0.1 / v + leaves + fall, rel=EXACT)
+    x = R * sin(angle) + speed * cos(angle) * fall
+    assert landed.xi1 == pytest.approx(1 + pi + DEPTH + x, rel=EXACT)
+
+
 @pytest.mark.parametrize("law", ["newton", "poisson", "moreau"])
 def test_plate_lands_on_its_corner_and_starts_to_turn(law):
     """Without friction P = (1 + e) v/(1/m + a²/J) and ω = a P/J, the corner a horizontal distance a from the centre."""
@@ -78,6 +99,45 @@ def test_plate_lands_on_its_corner_and_starts_to_turn(law):
     after = motion(motion.t[-1])
     assert after.omega == pytest.approx(a * impulse / plate.inertia, rel=EXACT)
     assert after.vy == pytest.approx(-v + impulse / plate.mass - G * 1e-3, rel=10 * EXACT)
+
+
+def test_disc_lands_on_the_edge_of_a_table():
+    """Its centre at x = d > 0 is √(r² − d²) above the edge then; the smooth edge pushes along (d, √(r² − d²))/r."""
+    d, e, height = 0.06, 0.5, 0.3
+    nx, ny = d / R, sqrt(1 - (d / R) ** 2)
+    # The start is next to the table's edge, seen from its direction there; the disc moves straight down.
+    angle = np.arctan2(nx, ny)
+    case = on(TABLE, disc(R, 1.0), Impact(e), xi1=1.0 + angle, gap=0.0, gap_rate=0.0, duration=1.0)
+    x, y, _ = pose(case, 1.0 + angle, case.start.motion(case.track, case.plate.outline).xi2)
+    assert (float(x), float(y)) == pytest.approx((R * nx, R * ny))
+    # Thrown up along the normal and sideways so that it moves straight up, it comes down on the same place.
+    up = sqrt(2 * G * height)
+    thrown = on(TABLE, disc(R, 1.0), Impact(e), xi1=1.0 + angle, gap_rate=up * ny, slip=-up * nx, duration=1.0)
+    motion = reference.simulate(thrown, rtol=1e-14)
+    start = motion(0.0)
+    assert (start.vx, start.vy) == pytest.approx((0.0, up), abs=1e-14)
+    impact = motion.transitions[0]
+    assert impact.time == pytest.approx(2 * up / G, rel=EXACT) and impact.xi1 == pytest.approx(1.0 + angle, abs=1e-11)
+    after = motion(impact.time + 1e-3)
+    push = (1 + e) * up * ny
+    assert after.vx == pytest.approx(push * nx, rel=1e-11)
+    assert after.vy == pytest.approx(-up + push * ny - G * 1e-3, rel=1e-11)
+
+
+def test_block_on_its_corner_is_carried_by_a_belt():
+    """It falls about its corner, which rolls with the belt: seen from the belt as on a rough table."""
+    plate, u = Plate.rectangle(0.3, 0.1, 2.0), 0.8
+    carried, still = (
+        reference.simulate(
+            Case(library.line(), plate, (Gravity(G), PerfectlyRough(), Unilateral(), *more), Start(0.0, 1.2), 0.2),
+            1e-14,
+        )
+        for more in ((Belt(u),), ())
+    )
+    t = np.linspace(0.0, 0.2, 50)
+    one, other = carried(t), still(t)
+    np.testing.assert_allclose(one.x, other.x + u * t, atol=EXACT)
+    np.testing.assert_allclose([one.y, one.theta, one.omega], [other.y, other.theta, other.omega], atol=EXACT)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from cases import (
     Case,
     Chain,
     CoulombFriction,
+    Curve,
     Gravity,
     Mode,
     NotSupported,
@@ -21,6 +22,7 @@ from cases import (
     disc,
     library,
 )
+from cases.constructions import piecewise
 from tests.scenes.agreement import unlike_second
 
 pytestmark = pytest.mark.taylor
@@ -84,6 +86,18 @@ def test_disc_rolls_off_a_table_slips_on_its_edge_and_leaves(v, mu, method):
     (edge,) = [passage for passage in motion.passages if passage.time < times[0] + 0.5 / v]
     assert (edge.curve, edge.before, edge.after) == ("track", "piece 0", "corner 1")
     assert edge.time == pytest.approx(0.5 / v, rel=EXACT) and edge.xi1 == pytest.approx(1.0, abs=EXACT)
+
+
+def test_fast_disc_leaves_at_the_edge_itself():
+    """Above v² = g r the normal force g − v²/r at the edge is negative."""
+    fast, slow = (sqrt(G * R) * factor for factor in (1.001, 0.999))
+    motion = reference.simulate(on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-fast / R), rtol=1e-14)
+    (leap,) = motion.transitions
+    assert (
+        leap.after is Mode.FLIGHT and leap.time == pytest.approx(0.5 / fast, rel=EXACT) and motion.status == "lift_off"
+    )
+    later = reference.simulate(on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-slow / R), rtol=1e-14)
+    assert later.transitions[-1].xi1 > 1.0 + 1e-4
 
 
 def test_rough_disc_leaves_the_edge_where_the_classical_sphere_leaves_its_top():
@@ -165,6 +179,13 @@ def test_motions_end_where_one_contact_does(case, status):
     assert motion.status == status
     if status == "second_contact":
         assert motion.t[-1] == pytest.approx((0.5 - R) / (2.0 * R), rel=EXACT)
+
+
+def test_the_papers_matrix_refuses_jumps_of_curvature():
+    level, arc = Curve(("s", "0"), (0, 1)), Curve(("1 + sin(s)", "1 - cos(s)"), (0, 1))
+    ramp = Case(piecewise([level, arc]), disc(R, 1.0), (Gravity(9.81), Unilateral()), Start(0.5, slip=1.0), 0.5)
+    with pytest.raises(NotSupported, match="no jumps of curvature"):
+        reference.simulate(ramp, method="augmented")
 
 
 def test_what_corners_do_not_have_is_rejected():

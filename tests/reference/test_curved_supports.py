@@ -6,6 +6,7 @@ from math import acos, atan, cos, hypot, sin, sqrt
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import reference
 from cases import (
@@ -14,7 +15,9 @@ from cases import (
     CoulombFriction,
     Curve,
     DoesNotFit,
+    Flight,
     Gravity,
+    Impact,
     Mode,
     Outline,
     PerfectlyRough,
@@ -26,9 +29,12 @@ from cases import (
 )  # fmt: skip
 from cases.library import circle, line
 from cases.motion.mechanics import energy
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
-from tests.scenes.supports import INELASTIC, G, bowl, events, hill
+from tests.scenes.agreement import agree, unlike_second
+from tests.scenes.supports import INELASTIC, G, bowl, events, hill, simulated
 
 # --- discs between circles --------------------------------------------------------------------------------------------
 
@@ -54,6 +60,13 @@ def test_a_disc_that_spins_between_two_hills_stops_in_time(method):
         ("plate/track", Mode.SLIP_FORWARD, Mode.ROLL),
     ]
     assert [t.time for t in motion.transitions] == pytest.approx([stop] * 2, abs=1e-12)
+
+
+def test_a_disc_at_rest_on_two_curved_supports_touches_both_from_the_start():
+    motion = reference.simulate(between_hills(0.9, CoulombFriction(1.5), start=StartPose(0.0, 1.5 * cos(0.9))))
+    assert motion.contact_names == ("plate/track", "plate/right") and not motion.transitions
+    ranges = motion.contacts["plate/right"].normal_range[:, 0]
+    assert ranges[0] < 0.5 * G / cos(0.9) < ranges[1]  # one force too many: that without friction is one of them
 
 
 def falls(angle: float, until: float, length: float, share: float) -> float:
@@ -89,6 +102,16 @@ def test_a_disc_in_a_bowl_meets_a_hill_at_the_time_of_a_quadrature(method, rolls
     first = motion.transitions[0]
     assert first.contact == "plate/hill" and first.before is Mode.FLIGHT
     assert first.time == pytest.approx(falls(start, touch, far, share), abs=1e-12)
+
+
+def test_a_disc_that_rolls_over_the_end_of_a_shelf_ends_the_motion_there():
+    shelf = Curve(lambda s: (s, 0.6 + 0.05 * s**2), domain=(-1.0, 0.2))
+    supports = (Support(shelf, "shelf", (CoulombFriction(0.3),)),)
+    case = Case(line(0.0), disc(0.1, 1.0), INELASTIC, StartPose(-0.5, 0.73, vx=1.0), 1.5, supports=supports)
+    motion = simulated(case)
+    assert unlike_second(case, motion) == ""
+    assert motion.status == "track_end" and len(motion.transitions) == 2
+    assert motion.contact_columns("plate/shelf", motion.t[-1:]).xi1 == pytest.approx(0.2, abs=1e-12)
 
 
 # --- rods and blocks in bowls -----------------------------------------------------------------------------------------
@@ -132,6 +155,48 @@ def test_a_rod_in_a_bowl_rests_within_the_friction_angle():
     assert below.status == "completed" and not below.transitions and below(3.0).theta == below(0.0).theta
     above = reference.simulate(rod_in_bowl(limit + 1e-9, CoulombFriction(mu)))
     assert above(3.0).theta < above(0.0).theta and above.first_mode is Mode.SLIP_BACKWARD
+
+
+def test_a_rod_slides_in_a_bowl_with_friction_until_it_stops():
+    # With S (1 + μ²) cos β = m (g cos θ + d θ̇² + μ (d θ̈ + g sin θ)) by the balance along and across the rod's axis:
+    # (J + m d²) θ̈ = μ R S − m g d sin θ is linear in θ̈.
+    mu, angle = 0.2, 0.7
+    case = rod_in_bowl(angle, CoulombFriction(mu))
+    share = mu * RADIUS / ((1.0 + mu**2) * sqrt(RADIUS**2 - HALF**2) / RADIUS)
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        theta, omega = y
+        push = share * (G * cos(theta) + DEPTH * omega**2 + mu * G * sin(theta))
+        return [omega, (push - G * DEPTH * sin(theta)) / (HALF**2 / 3.0 + DEPTH**2 - share * mu * DEPTH)]
+
+    stops = lambda t, y: y[1] + (t == 0.0) * -1.0  # noqa: E731
+    stops.terminal, stops.direction = True, 1.0
+    law = solve_ivp(rates, (0.0, 3.0), [angle, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, events=stops)
+    motion = simulated(case)
+    assert events(motion) == [
+        ("plate/track", Mode.SLIP_BACKWARD, Mode.ROLL),
+        ("plate/track 2", Mode.SLIP_BACKWARD, Mode.ROLL),
+    ]
+    # The integration of the law has errors of 1e-13, and the time those divided by the deceleration, 1 to 10 1/s².
+    assert motion.transitions[0].time == pytest.approx(float(law.t_events[0][0]), abs=1e-11)
+    assert motion(3.0).theta == pytest.approx(float(law.y_events[0][0][0]), abs=1e-11)
+    agree(case)
+
+
+def test_a_rod_that_begins_on_one_end_meets_the_bowl_with_the_other_one():
+    # Without Flight the motion has one contact until then, and needs an Impact there.
+    pose, end = StartPose(0.0, 0.0, 0.9), np.array([-HALF, -LOW])
+    corner = np.array([cos(0.9) * end[0] - sin(0.9) * end[1], sin(0.9) * end[0] + cos(0.9) * end[1]])
+    pose = StartPose(0.3 - corner[0], -sqrt(RADIUS**2 - 0.09) - corner[1], 0.9)
+    effects = Gravity(G), Unilateral(), CoulombFriction(0.3)
+    alone = Case(circle(RADIUS), ROD, effects, pose, 2.0)
+    assert not touches_by_features(alone)
+    met = reference.simulate(alone)
+    assert met.status == "second_contact" and "add Flight() and Impact(0.0)" in met.reason
+    whole = reference.simulate(Case(circle(RADIUS), ROD, (*effects, Flight(), Impact(0.0, "moreau")), pose, 2.0))
+    assert met.t[-1] == pytest.approx(
+        next(t.time for t in whole.transitions if t.contact == "plate/track 2"), abs=1e-11
+    )
 
 
 # --- flat sides on hills ----------------------------------------------------------------------------------------------
@@ -186,7 +251,25 @@ def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
     assert theta == pytest.approx([0.0, 0.4, -0.4, 0.0], abs=1e-11)
 
 
+@pytest.mark.parametrize("method", ["first", "second"])
+def test_a_block_that_falls_flat_on_a_hill_goes_on(method):
+    # It ended there as second_contact. Without friction and spin the impact at its lower side takes all of the speed.
+    case = Case(hill(1.0, 0.0, 0.0), Plate.rectangle(0.6, 0.4, 1.0), INELASTIC, StartPose(0.0, 1.7), 1.0)
+    motion = reference.simulate(case, 1e-12) if method == "first" else _by_second(case, "second", 1e-13)
+    assert motion.status == "completed" and motion.transitions[0].time == pytest.approx(sqrt(1.0 / G), abs=1e-12)
+    assert motion.transitions[0].after is Mode.SLIDE
+
+
 # --- checks -----------------------------------------------------------------------------------------------------------
+
+
+def test_corners_and_arcs_on_curves_are_searched_for_and_keep_their_names():
+    case = rod_in_bowl(0.3)
+    assert [pair.has_unique_points for pair in pairs(case)] == [False] * 4
+    assert all(pair.is_point_on_curve for pair in pairs(case))
+    begin = case.start.motion(case.track, case.plate.outline)
+    touching = [len(pair.touching_points(begin.x, begin.y, begin.theta)) for pair in pairs(case)]
+    assert touching == [1, 0, 0, 1]
 
 
 @pytest.mark.parametrize(

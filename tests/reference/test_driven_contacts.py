@@ -4,11 +4,13 @@ from math import asin, cos, pi, tan
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from cases import (
     Case,
     Chain,
     CoulombFriction,
+    Curve,
     Drive,
     Flight,
     Gravity,
@@ -42,6 +44,22 @@ def box(width: float, height: float, mu: float, *more, duration: float = 1.0) ->
 
 @pytest.mark.sampled(2)
 @METHODS
+def test_a_box_slips_where_the_table_s_acceleration_exceeds_friction(method):
+    amplitude, rate, mu = 0.05, 9.0, 0.2
+    motion = motion_by(box(0.4, 0.2, mu, Drive(x=f"{amplitude}*sin({rate}*t)"), duration=0.7), method)
+    begin = asin(mu * G / (amplitude * rate**2)) / rate
+
+    def slip(t: float) -> float:  # the box slows down by mu g, the table as it is driven
+        return amplitude * rate * (cos(rate * begin) - cos(rate * t)) - mu * G * (t - begin)
+
+    end = brentq(slip, begin + 0.1, 0.6, xtol=1e-15)
+    times = [event.time for event in motion.transitions]
+    assert times[:2] == pytest.approx([begin, begin], abs=END_OF_REST)
+    assert times[2:] == pytest.approx([end, end], abs=END_OF_REST)
+
+
+@pytest.mark.sampled(2)
+@METHODS
 def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderness(method):
     amplitude, rate, width, height = 4.0 / 144.0, 12.0, 0.1, 0.4
     motion = motion_by(box(width, height, 0.9, Drive(x=f"{amplitude}*sin({rate}*t)"), duration=0.2), method)
@@ -50,6 +68,23 @@ def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderne
     # The corner ahead of the acceleration leaves the table.
     assert [str(event.after) for event in motion.transitions] == ["flight"]
     assert motion.transitions[0].contact == "plate/track 2"
+
+
+def shaken(seed: int) -> Case:
+    """A box, a triangle, or a disc in a valley, on a track that is shaken and tilted to and fro."""
+    random = np.random.default_rng(seed)
+    amplitudes, rates = random.uniform(0.01, 0.05, 3) * [1, 0.5, 5], random.uniform(4.0, 12.0, 3)
+    drive = Drive(*(f"{a:.4f}*sin({w:.3f}*t)" for a, w in zip(amplitudes, rates, strict=True)))
+    friction, kind = CoulombFriction(round(random.uniform(0.1, 0.9), 3)), seed % 3
+    track: Curve = line(round(random.uniform(-0.2, 0.2), 3))
+    if kind == 0:
+        plate = Plate.rectangle(*random.uniform(0.1, 0.4, 2).round(3).tolist(), 1.0)
+        start = Start(0.0, xi2=0.5 * plate.outline.vertices(0.1)[1], slip=round(random.uniform(-1.0, 1.0), 3))
+    elif kind == 1:
+        plate, start = Plate.polygon([(-0.2, -0.1), (0.2, -0.1), (0.1, 0.2)], 1.0), StartPose(0.0, 0.5, 0.3)
+    else:
+        track, plate, start = Curve(("s", "4*s**2"), (-2, 2)), disc(0.3, 1.0), StartPose(0.02, 0.75)
+    return Case(track, plate, (*EFFECTS, friction, drive), start, 0.6)
 
 
 @pytest.mark.sampled(2, first=1)

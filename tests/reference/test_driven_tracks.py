@@ -5,6 +5,8 @@ from math import asin, sin
 
 import numpy as np
 import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
 
 import cases
 import reference
@@ -12,16 +14,20 @@ from cases import (
     Case,
     CoulombFriction,
     Drive,
+    Flight,
     Gravity,
     Load,
     Mode,
+    RollingResistance,
+    Start,
     StartPose,
     Unilateral,
     contact,
     disc,
 )
-from cases.library import line
+from cases.library import circle, line
 from cases.moving_frame import in_track_frame, relative_case
+from reference.paper.kinematics import kinematics, slip_vector, slip_vector_of_plate
 from tests.authorities.published_numbers.oscillating import BALL, BALL_STEP, ball
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
@@ -45,6 +51,36 @@ def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
 def test_shaken_table_lets_go_where_a_third_of_its_acceleration_exceeds_friction(method):
     motion = reference.simulate(cases.load("disc_on_shaken_table"), rtol=1e-13, method=method)
     assert motion.transitions[0].time == pytest.approx(asin(3 * 0.2 * G / (0.05 * 144)) / 12, abs=EXACT)
+
+
+@pytest.mark.sampled(3)
+@METHODS
+def test_plate_lifts_off_a_table_that_falls_faster_than_it(method):
+    """N = m (g + ÿ) vanishes where amplitude rate² sin(rate t) = g."""
+    motion = reference.simulate(cases.load("disc_on_bouncing_table"), rtol=1e-13, method=method)
+    change = motion.transitions[0]
+    assert change.after is Mode.FLIGHT
+    assert change.time == pytest.approx(asin(G / (0.02 * 900)) / 30, abs=EXACT)
+
+
+@METHODS
+def test_resistance_keeps_a_sliding_disc_from_turning_on_a_table_that_swings(method):
+    """arm N exceeds the moment μ N r, so θ̇ = α̇. In the table's frame s is the place along it, and from −m (α̈ U r − α̇² r
+    + 2 α̇ U ṙ): N/m = g cos α + s α̈ − r α̇² + 2 α̇ ṡ and s̈ = −g sin α + s α̇² + r α̈ − μ N/m, here by SciPy."""
+    a, w, mu = 0.2, 3.0, 0.1
+    case = on_line(Drive(angle=f"{a}*sin({w}*t)"), RollingResistance(0.05), mu=mu, duration=0.4, slip=1.0, omega=a * w)
+
+    def rates(t, y):
+        s, v = y
+        angle, spin, swing = a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
+        normal = G * np.cos(angle) + s * swing - R * spin**2 + 2 * spin * v
+        return v, -G * np.sin(angle) + s * spin**2 + R * swing - mu * normal
+
+    exact = solve_ivp(rates, (0.0, 0.4), (0.0, 1.0), "DOP853", rtol=1e-13, atol=1e-14).y[1, -1]
+    motion = reference.simulate(case, rtol=1e-12, method=method)
+    assert not motion.transitions
+    assert motion(0.4).slip == pytest.approx(exact, abs=1e-10)
+    assert motion(0.4).omega == pytest.approx(a * w * np.cos(w * 0.4), abs=1e-10)
 
 
 def test_shaken_track_is_an_inertial_load():
@@ -77,6 +113,47 @@ def test_ball_on_the_moving_plane_of_siconos():
         assert abs(motion(time).y - R - height) <= allowed
     assert motion(0.2).y - R == pytest.approx(BALL[0][1], abs=1e-13)
     assert max(abs(motion(t).y - R - height) for t, height, *_ in BALL) < 0.07
+
+
+def test_paper_kinematics_with_a_moving_track():
+    """(11) and (12) are the same velocity, and (8), (9) the rates of (5), (6), with R(ξ₁, t)."""
+    drive = Drive(x="0.1*sin(3*t)", y="0.2*t**2", angle="0.5*t + 0.3*sin(2*t)")
+    case = Case(circle(1.0), disc(R, M), (Gravity(G), CoulombFriction(0.2), drive), Start(-1.0), 2.0)
+    state, t, d = (-1.0, 0.3, 0.7, -2.0), 0.4, 1e-6
+    k = kinematics(case, *state, t)
+    assert slip_vector(k) == pytest.approx(slip_vector_of_plate(k), abs=1e-12)
+    before, after = (
+        kinematics(case, state[0] + s * state[2], state[1] + s * state[3], *state[2:], t + s) for s in (-d, d)
+    )
+    assert (after.R0 - before.R0) / (2 * d) == pytest.approx(k.R0_dot, abs=1e-8)
+    assert (after.theta - before.theta) / (2 * d) == pytest.approx(k.theta_dot, abs=1e-8)
+
+
+def test_loads_in_the_tracks_frame_are_those_of_a_motion_that_is_turned_into_it():
+    """For any motion r(t), θ(t) of a free plate, ρ = e^(-iα) (r − c): its second derivative, by SymPy, is the load per
+    mass if r'' is that in the fixed frame. Both formulations and the check of laws use these loads."""
+    t = sp.Symbol("t", real=True)
+    c, alpha = sp.sin(3 * t) / 5 + sp.I * t**3 / 7, sp.cos(2 * t) / 3 + t**2 / 9
+    r, theta = sp.exp(t / 2) + sp.I * sp.cos(t), 1 + sp.sin(t) / 2
+    own = Load("0.3*x + vy - sin(t)", "theta*y - 0.2*omega", "0.1*t + 0.05*vx*x")
+    drive = Drive(*(str(sp.expand(part)) for part in (sp.re(c), sp.im(c), alpha)))
+    effects = Gravity(G), drive, own, Unilateral(), Flight()
+    case = relative_case(Case(line(), disc(R, M), effects, Start(0.0, gap=1.0), 1.0))
+    load = case.effect(Load)
+    assert load is not None
+    seen, angle = sp.exp(-sp.I * alpha) * (r - c), theta - alpha
+    for when in (0.0, 0.4, 1.1):
+        at = [complex(sp.N(e.diff(t, n).subs(t, when), 30)) for e in (r, theta) for n in (0, 1, 2)]
+        place, rate, second, turn, spin, swing = at
+        force = own.at(when, place.real, place.imag, turn.real, rate.real, rate.imag, spin.real)
+        miss = second - complex(force[0], force[1] - M * G) / M
+        there = [complex(sp.N(e.diff(t, n).subs(t, when), 30)) for e in (seen, angle) for n in (0, 1, 2)]
+        state = (there[0].real, there[0].imag, there[3].real, there[1].real, there[1].imag, there[4].real)
+        found = load.at(when, *state)
+        there_miss = miss * np.exp(-1j * complex(sp.N(alpha.subs(t, when))))
+        assert there[2] - there_miss == pytest.approx(complex(found[0], found[1]) / M, abs=1e-12)
+        inertia = case.plate.inertia
+        assert there[5] - (swing - force[2] / inertia) == pytest.approx(found[2] / inertia, abs=1e-12)
 
 
 def test_frames_are_inverse_to_each_other():

@@ -11,12 +11,14 @@ import cases
 import reference
 from cases import (
     Case,
+    CaseError,
     CoulombFriction,
     Flight,
     Gravity,
     Impact,
     Load,
     Mode,
+    PerfectlyRough,
     Plate,
     RollingResistance,
     Start,
@@ -61,6 +63,36 @@ def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, d
         assert len(motion.transitions) == 1685
 
 
+@pytest.mark.sampled(3)
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="heyoka is not installed")
+@pytest.mark.parametrize("rtol", [1e-7, 1e-10, 1e-13])
+def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_on(rtol):
+    # Only every fourth power of time is there: whichever order the tolerance asks for, two of them may vanish.
+    motion = reference.simulate(cases.load("rough_disc_in_circle"), rtol=rtol, method="taylor")
+    energy = 0.75 * (motion.vx**2 + motion.vy**2) + G * motion.y
+    assert np.ptp(energy) <= 100 * rtol * G
+
+
+FEW = ("disc_off_ramp", "tumbling_ellipse", "bouncing_disc[e=0.8]")
+
+
+@pytest.mark.sampled(5)
+@METHODS
+@pytest.mark.parametrize("label", FEW)
+@pytest.mark.parametrize("factor", [3.0, 30.0])
+def test_the_beginning_of_a_motion_is_the_same_for_longer_durations(method, label, factor):
+    case = cases.load(label)
+    short, long = (
+        reference.simulate(replace(case, duration=part * case.duration), method=method) for part in (1.0, factor)
+    )
+    end = float(short.t[-1])
+    assert pairs(long, end) == pairs(short)
+    for one, other in zip(short.transitions, long.transitions, strict=False):
+        assert other.time == pytest.approx(one.time, rel=1e-12, abs=1e-11)
+    for name in ("x", "y", "theta"):
+        assert getattr(long(end), name) == pytest.approx(getattr(short(end), name), rel=1e-10, abs=1e-9)
+
+
 # --- bouncing ---------------------------------------------------------------------------------------------------------
 
 
@@ -78,6 +110,16 @@ def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
     assert motion.transitions[-1].cause == "bouncing came to rest"
     # A rounding of a flight's end counts 1/(1 − e) times: all that follows is later by as much.
     assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12 / (1 - 0.9))
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [20.0, pytest.param(2000.0, marks=pytest.mark.slow)])
+def test_a_plate_that_never_rests_lists_every_bounce(method, duration):
+    motion = reference.simulate(dropped(1.0, 0.05, duration), method=method)
+    fall = sqrt(2 * 0.05 / G)
+    expected = np.arange(fall, duration, 2 * fall)
+    assert pairs(motion) == [REBOUND] * len(expected)
+    np.testing.assert_allclose([t.time for t in motion.transitions], expected, rtol=1e-11)
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8, 0.9])
@@ -134,6 +176,18 @@ def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit(me
     assert len(motion.transitions) == 9
 
 
+@METHODS
+@pytest.mark.parametrize("lift", [1e-245, 1e-20])
+def test_a_leap_of_nothing_on_a_rough_track_ends_in_rolling(lift, method):
+    """It comes down before double precision sees it rise; the impact takes the slip: a disc keeps a third of its spin
+    and two thirds of its speed (from angular momentum about the contact)."""
+    effects = Gravity(G), PerfectlyRough(), Unilateral(), Flight(), Impact(0.0343)
+    start = Start(0.0, slip=0.3, omega=-1e-230, gap_rate=lift)
+    motion = reference.simulate(Case(line(1e-6), disc(0.1, 1.0), effects, start, 1.0), method=method)
+    assert (motion.status, [t.after for t in motion.transitions]) == ("completed", [Mode.ROLL])
+    assert float(motion(1e-9).vx) == pytest.approx(0.2, rel=1e-7)
+
+
 # --- a touch that is no departure -------------------------------------------------------------------------------------
 
 
@@ -169,6 +223,45 @@ def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(
     assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
     fallen = 0.5 * G * motion.t**2
     assert 0.0 < motion.t[-1] < 0.01 and np.allclose(motion.y[0] - motion.y, fallen, atol=1e-12)
+
+
+LARGE = {
+    "friction of 1e9": lambda: Case(
+        line(),
+        cases.Plate(ellipse(0.2, 0.1), 1.0, 0.01),
+        (Gravity(G), CoulombFriction(1e9), Unilateral(), Flight(), Impact(0.5)),
+        Start(0.0, gap=0.3, slip=1.0, xi2=4.0),
+        1.0,
+    ),
+    **{
+        f"a circle of {size:g} m": lambda size=size: Case(
+            circle(size), disc(0.1 * size, 1.0), (Gravity(G), CoulombFriction(0.2), Unilateral()), Start(0.0), 1.0
+        )
+        for size in (1e-100, 1e100, 1e150, 1e200)
+    },
+    **{
+        f"a disc of {size:g} m on a line": lambda size=size: Case(
+            line(), disc(size, 1.0), (Gravity(G), CoulombFriction(0.2), Unilateral()), Start(0.0, slip=1.0), 1.0
+        )
+        for size in (1e-100, 1e100, 1e150)
+    },
+    **{
+        f"an impact at {speed:g} m/s": lambda speed=speed: hitting(0.5, "poisson", speed)
+        for speed in (1e-100, 1e100, 1e200)
+    },
+}
+
+
+@METHODS
+@pytest.mark.parametrize("make", LARGE.values(), ids=LARGE)
+def test_what_is_too_large_or_too_small_ends_in_a_sentence(make, method):
+    try:
+        motion = reference.simulate(make(), method=method)
+    except CaseError as output:
+        assert "\n" not in str(output)
+        return
+    assert motion.reason.count(".") >= 1
+    assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))
 
 
 @pytest.mark.sampled(5)

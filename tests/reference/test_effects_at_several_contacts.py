@@ -7,9 +7,34 @@ import pytest
 
 import adapters
 from adapters import lookup
-from cases import Case, CoulombFriction, Gravity, Load, RollingResistance, StartPose, Support, disc
+from cases import Case, CoulombFriction, Drive, Gravity, Load, Mode, RollingResistance, StartPose, Support, disc
 from cases.library import line
-from tests.scenes.supports import INELASTIC
+from cases.moving_frame import relative_case
+from tests.scenes.slip_laws import STRIBECK
+from tests.scenes.supports import INELASTIC, compare_with_matrix
+
+from . import test_belts_and_supports as belts
+from . import test_driven_contacts as driven
+from . import test_fixed_rotation_and_contacts as still
+from . import test_rolling_resistance_and_contacts as rolling
+from . import test_slip_laws_and_contacts as slip_laws
+
+SCENES = {
+    "plates that do not turn": lambda: (still.in_v(), still.in_v(0.1, 0.2, 0.8)),
+    "couples": lambda: (rolling.disc_in_v(omega=25.0),),
+    "belts": lambda: (belts.disc_at_wall(-2.0),),
+    "driven tracks": lambda: (relative_case(driven.in_v(Drive(x="0.05*sin(9*t)", angle="0.2*sin(5*t)"))),),
+    "friction by slip speed": lambda: (slip_laws.disc_at_wall(0.4), slip_laws.block(STRIBECK, slope=0.1)),
+}
+
+
+@pytest.mark.parametrize(
+    "name", [name if i < 2 else pytest.param(name, marks=pytest.mark.slow) for i, name in enumerate(SCENES)]
+)
+def test_the_papers_matrix_gives_the_same_accelerations_and_forces(name):
+    modes = {mode for each in compare_with_matrix(SCENES[name]()) for mode in each}
+    assert modes & {Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.SLIDE}
+
 
 SURFACE, WALL = (CoulombFriction(0.3), RollingResistance(0.01)), Support(line(pi / 2), "wall")
 

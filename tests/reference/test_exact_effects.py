@@ -1,9 +1,11 @@
 """Each effect against something exact, by every method of the reference."""
 
-from math import atan, cos, sin, sqrt
+from math import atan, cos, radians, sin, sqrt
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import reference
@@ -68,6 +70,17 @@ def test_disc_with_rolling_resistance_stays_on_an_incline_up_to_its_angle():
     assert _held(threshold * (1 - 1e-9)) and not _held(threshold * (1 + 1e-9))
 
 
+@METHODS
+def test_rolling_resistance_slows_the_spin_of_a_sliding_disc(method):
+    arm, mu, slip = 0.03, 0.1, 2.0
+    case = level((Gravity(G), CoulombFriction(mu), Unilateral(), RollingResistance(arm)), 2.0, slip=slip)
+    motion = reference.simulate(case, method=method, rtol=1e-12)
+    # Friction slows the centre and spins the disc up; the couple holds back: ω̇ = −(μ g r − g·arm)/G.
+    spin_up = G * (mu * R - arm) / (0.5 * R**2)
+    assert motion.transitions[0].time == pytest.approx(slip / (mu * G + spin_up * R), rel=CLOSE[method])
+    assert modes(motion)[:2] == [Mode.SLIP_FORWARD, Mode.ROLL]
+
+
 # --- friction ---------------------------------------------------------------------------------------------------------
 
 
@@ -117,6 +130,18 @@ def test_load_in_position_velocity_and_angle_is_an_oscillator(method):
 
 
 @METHODS
+def test_flight_from_a_hill_lands_where_the_parabola_meets_the_slope(method):
+    # y = 1/cosh-like hill is no use here: a smooth ramp that ends in a slope known exactly far below.
+    case = level((Gravity(G), Unilateral(), Flight()), 5.0, radians(30), gap=0.7, slip=2.0, gap_rate=1.0)
+    motion = reference.simulate(case, method=method, rtol=1e-12)
+    # In the slope's own axes: gap + lift t − ½ g cos α t² = 0.
+    normal = G * cos(radians(30))
+    time = (1.0 + sqrt(1.0 + 2 * normal * 0.7)) / normal
+    assert motion.status == "landing"
+    assert motion.t[-1] == pytest.approx(time, rel=1e-14)
+
+
+@METHODS
 def test_tumbling_ellipse_lands_where_its_support_function_meets_the_line(method):
     a, b, omega, drop = 0.6, 0.2, 3.0, 1.5
     plate = Plate(ellipse(a, b), M, 0.25 * M * (a**2 + b**2))
@@ -132,6 +157,33 @@ def test_tumbling_ellipse_lands_where_its_support_function_meets_the_line(method
 
 
 # --- impact -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.sampled(5)
+@METHODS
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.9])
+def test_bouncing_disc_has_a_geometric_series_of_flights_and_its_limit(method, e):
+    case = level((Gravity(G), CoulombFriction(0.2), Unilateral(), Flight(), Impact(e)), 10.0, gap=1.0)
+    motion = reference.simulate(case, method=method, rtol=1e-12)
+    fall = sqrt(2 / G)
+    bounces = [t.time for t in motion.transitions if t.after is Mode.FLIGHT]
+    exact = fall + 2 * fall * np.array([e * (1 - e**k) / (1 - e) for k in range(len(bounces))])
+    assert bounces == pytest.approx(exact, rel=1e-12)
+    last = motion.transitions[-1]
+    # The instants of the last bounces are known to the rounding of positions over their speeds, some 1e-13 s.
+    assert (last.before, last.after) == (Mode.FLIGHT, Mode.ROLL)
+    assert last.time == pytest.approx(fall + 2 * fall * e / (1 - e), rel=1e-12)
+    assert np.all(motion(np.linspace(last.time, 10.0, 5)).y == R)
+
+
+def test_inelastic_landing_goes_on_in_contact():
+    case = level((Gravity(G), CoulombFriction(0.1), Unilateral(), Flight(), Impact(0.0)), 3.0, gap=1.0, slip=5.0)
+    motion = reference.simulate(case, rtol=1e-12)
+    fall = sqrt(2 / G)
+    assert modes(motion) == [Mode.FLIGHT, Mode.SLIP_FORWARD, Mode.ROLL]
+    # The impact takes μ m g t off the centre and spins the disc up, as so much friction would in that time.
+    slipped = 5.0 - 3 * 0.1 * G * fall
+    assert motion.transitions[1].time == pytest.approx(fall + slipped / (3 * 0.1 * G), rel=1e-13)
 
 
 def test_bouncing_on_a_slope_comes_to_rest_in_a_slide_with_its_exact_speed():
@@ -164,3 +216,24 @@ def test_newtons_law_would_create_energy_where_friction_reverses_the_slip_and_is
         for omega in np.linspace(-4, 4, 41)
     )
     assert worst > 1.0 + 1e-3
+
+
+numbers = st.floats(-2.0, 2.0, allow_subnormal=False)
+
+
+@settings(deadline=None, max_examples=100)
+@given(
+    arm_t=numbers, arm_n=numbers, gyration=st.floats(0.01, 2.0), mu=st.floats(0.0, 3.0), more=st.floats(1.0, 2.0),
+    arm=st.floats(0.0, 1.0), e=st.floats(0.0, 1.0), slip=numbers, lift=st.floats(-3.0, -1e-3), omega=numbers,
+)  # fmt: skip
+def test_energy_never_grows_through_an_impact_and_the_contact_opens(
+    arm_t, arm_n, gyration, mu, more, arm, e, slip, lift, omega
+):
+    law = Law(arm_t, arm_n, gyration, mu, more * mu, arm, e, "poisson")
+    before = ContactVelocity(slip, lift, omega)
+    after = collide(law, before)
+    assert energy(law, after) <= energy(law, before) * (1 + 1e-12)
+    assert after.lift >= 0.0
+    assert (
+        after.slip * slip >= 0.0 or abs(after.slip) < abs(slip) + abs(after.lift - lift) * (abs(arm_n) + 1) / gyration
+    )

@@ -37,3 +37,14 @@ def test_vertices_give_the_ranges_of_linear_programs(seed):
     assert np.array([own.normal, own.friction]) == pytest.approx(
         programs.swapaxes(0, 1), abs=1e-8 * np.abs(load).max(), nan_ok=True
     )
+
+
+def test_two_walls_press_without_bound_and_a_plane_does_not():
+    load = np.array([0.0, -1.0, 0.0])
+    walls = [contact(0.0, -1.0, 0.0), contact(np.pi, 1.0, 0.0)]
+    assert np.isinf(forces.ranges(walls, load, UNITS, [0.5, 0.5]).normal[:, 1]).all()
+    floor = [contact(np.pi / 2, -1.0, -1.0), contact(np.pi / 2, 1.0, -1.0)]
+    limits = forces.ranges(floor, load, UNITS, [0.5, 0.5])
+    # Each carries half of the weight; the two frictions are opposite and at most μ N.
+    assert limits.normal == pytest.approx(np.full((2, 2), 0.5), abs=1e-15)
+    assert limits.friction == pytest.approx(np.array([[-0.25, 0.25]] * 2), abs=1e-15)

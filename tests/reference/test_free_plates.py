@@ -8,6 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import reference
+from adapters.interface import refusal
 from cases import (
     BadValue,
     Case,
@@ -94,6 +95,17 @@ def test_a_disc_leaves_a_free_disc_at_the_exact_time(masses):
     assert motion.contacts["disc2/plate"].normal_force[0] > 0.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [9, 20])
+def test_a_velocity_goes_through_a_long_row_of_discs_apart(count):
+    """Equal discs 0.05 m apart exchange their velocities one after the other, the first two after 0.3 m at 1 m/s."""
+    motion = reference.simulate(row(gap=0.05, count=count, e=1.0, duration=1.5), method="dop853")
+    times = [0.3 + 0.05 * k for k in range(count - 1)]
+    assert [one.time for one in motion.transitions] == pytest.approx(times, abs=1e-12)
+    assert motion.status == "completed"
+    assert motion.plate(f"disc{count}").vx[-1] == pytest.approx(1.0, abs=1e-12)
+
+
 def test_an_impact_goes_through_a_row_of_discs():
     """Apart, each passes its speed on to the next. Touching, e = 1 between whole impulses: −1/3, 2/3, 2/3, as derived
     in test_impacts_of_bodies. The first contact closes after 0.3 m/(1 m/s)."""
@@ -159,6 +171,14 @@ def test_invalid_cases_are_rejected_in_a_sentence():
         FreePlate(disc(0.1, 1.0), StartPose(0.0, 0.0), "plate")
     with pytest.raises(NotSupported, match="one plate"):
         reference.simulate(good, method="augmented")
+
+
+def test_several_plates_are_rejected_in_a_sentence():
+    from adapters import exudyn
+
+    assert refusal(exudyn, on_top(), "integrator") == "The integrator route does not support several plates (others)."
+    with pytest.raises(BadValue, match="a film shows one plate"):
+        reference.simulate(on_top(duration=0.01)).animate()
 
 
 def test_the_motion_of_a_plate_that_is_not_there():

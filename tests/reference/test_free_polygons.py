@@ -107,6 +107,19 @@ def test_a_wedge_under_a_sliding_disc_sticks_up_to_the_exact_coefficient(share, 
         assert np.isnan(one.friction_force[0])
 
 
+# --- both formulations ------------------------------------------------------------------------------------------------
+
+
+def test_a_motion_that_ends_where_it_begins_has_all_plates():
+    """A block that slides at mu = 1,000 has no consistent forces; the motion had the first plate alone, and a report
+    whose truth has such a null motion ended with an error."""
+    ball, at = disc(0.1, 1.0), StartPose(1.0, 0.1)
+    case = scene(Plate.rectangle(0.2, 0.2, 1.0), StartPose(0.0, 0.1, vx=-0.3), ball, at, floor=1e3)
+    motion = reference.simulate(case)
+    assert motion.status == "paradox" and motion.t.tolist() == [0.0]
+    assert motion.plate_names == ("plate", "disc") and motion.plate("disc").x.tolist() == [1.0]
+
+
 # --- invalid cases ----------------------------------------------------------------------------------------------------
 
 

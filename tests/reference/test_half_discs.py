@@ -1,31 +1,40 @@
 """Plates of arcs and edges on a flat side and on their arcs: closed forms and quadratures, and both formulations."""
 
+from dataclasses import replace
 from math import atan, cos, pi, sin, sqrt
 
+import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import reference
 from cases import (
     Case,
+    CoulombFriction,
     Flight,
+    FreePlate,
     Gravity,
     Impact,
     Outline,
     PerfectlyRough,
     Plate,
+    Start,
     StartPose,
     Unilateral,
+    disc,
     library,
 )
 from cases.contact.outline_features import arc_ranges, features
 from cases.curves.corner import Edge
 from cases.curves.outline import arc
+from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
 
 G, R = 9.81, 0.2
+EXACT = 1e-12  # step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14
 HALF = Plate.half_disc(R, 1.5)
+LOW = 4.0 * R / (3.0 * pi)  # its centre of mass over its flat side
 INELASTIC = Flight(), Impact(0.0, "moreau")
 CUT = pi / 6
 
@@ -58,6 +67,30 @@ def on(slope, plate, *effects, start, duration=1.5, supports=()):
 
 
 # --- exact ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_half_disc_slides_on_its_flat_side_and_stops():
+    mu, speed = 0.3, 1.0
+    case = on(0.0, HALF, CoulombFriction(mu), start=StartPose(0.0, LOW, pi, vx=speed))
+    motion = reference.simulate(case, rtol=1e-14)
+    assert motion.status == "completed" and motion.contact_names == ("plate/track", "plate/track 2")
+    assert [t.time for t in motion.transitions] == pytest.approx([speed / (mu * G)] * 2, rel=EXACT)
+    end = motion(1.5)
+    assert (end.x, end.y, end.theta) == pytest.approx((speed**2 / (2 * mu * G), LOW, pi), abs=EXACT)
+    # Moments about the centre: friction has the arm LOW, the two forces the arm R.
+    columns = [motion.contact_columns(name, np.array([0.1])) for name in motion.contact_names]
+    forces = sorted(float(one.normal_force[0]) for one in columns)
+    assert sum(forces) == pytest.approx(1.5 * G, rel=EXACT)
+    assert (forces[1] - forces[0]) * R == pytest.approx(mu * 1.5 * G * LOW, rel=EXACT)
+
+
+@pytest.mark.parametrize("side", [-1e-6, 1e-6])
+def test_a_half_disc_on_a_slope_tips_where_its_weight_passes_its_edge(side):
+    slope = atan(R / LOW) + side
+    start = StartPose(LOW * sin(slope), LOW * cos(slope), pi - slope)
+    motion = reference.simulate(on(slope, HALF, PerfectlyRough(), start=start, duration=0.5))
+    assert motion.status == "completed"
+    assert (motion(0.5).omega < 0.0) == (side > 0.0) and (motion(0.5).omega == 0.0) == (side < 0.0)
 
 
 @pytest.mark.parametrize("method", [pytest.param(None, marks=pytest.mark.slow), "dop853"])
@@ -111,3 +144,23 @@ def test_the_range_of_an_arc_ends_at_corners_and_beyond_smooth_joints():
     assert not bulge.neighbours
     assert (bulge.low, bulge.high) == pytest.approx((-beyond, pi + beyond), rel=0.02)  # angles 3 % apart
     assert bulge.low > -2.0 * beyond
+
+
+def test_the_same_circle_in_two_arcs_is_compared_once():
+    quarters = arc((0.0, 0.0), R, -pi, -pi / 2), arc((0.0, 0.0), R, -pi / 2, 0.0)
+    plate = Plate.homogeneous(Outline((*quarters, Edge.between((R, 0.0), (-R, 0.0)))), 1.0)
+    case = on(0.0, plate, *INELASTIC, start=StartPose(0.0, 0.5, 0.3))
+    facing = [pair for pair in pairs(case) if pair.arc_range and not pair.is_away(pair.guess(0.0, 0.5, 0.3)[1])]
+    assert len(facing) == 1
+
+
+def test_a_plate_far_away_changes_no_motion_of_a_half_disc():
+    """It rocks from its arc over a corner onto its side and bounces there: two contacts, each with a name."""
+    start = Start(0.0, xi2=0.1, slip=-1.0)
+    alone = on(0.0, HALF, CoulombFriction(0.5), Flight(), Impact(0.5, "newton"), start=start, duration=1.0)
+    far = FreePlate(disc(0.1, 1.0), StartPose(50.0, 0.1), "far")
+    one, both = reference.simulate(alone), reference.simulate(replace(alone, others=(far,)))
+    own = [t for t in both.transitions if t.contact.startswith("plate/")]
+    assert len(one.transitions) > 3
+    assert [(t.contact, t.before, t.after) for t in own] == [(t.contact, t.before, t.after) for t in one.transitions]
+    assert [t.time for t in own] == pytest.approx([t.time for t in one.transitions], rel=1e-9)

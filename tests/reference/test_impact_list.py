@@ -2,8 +2,11 @@
 
 from math import sqrt
 
+import mpmath
+import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import Case, Flight, Gravity, Impact, Mode, Start, Unilateral, disc
 from cases.library import line
@@ -22,6 +25,29 @@ def second(case: Case):
 
 
 FORMULATIONS = pytest.mark.parametrize("solve", [first, second])
+
+
+def hoop() -> Case:
+    """A loaded hoop whose weight comes over as it lands: the impact does not bounce, and nothing presses it down."""
+    return cases.load("hopping_hoop", share=0.7, mu=0.4, push=2.0, angle=0.5, duration=1.4)
+
+
+@pytest.mark.sampled(2)
+@FORMULATIONS
+def test_an_impact_without_a_rebound_is_listed_where_the_plate_leaves_at_once(solve):
+    motion = solve(hoop())
+    assert [(t.before, t.after) for t in motion.transitions][3:5] == [IMPACT, (Mode.FLIGHT, Mode.SLIP_FORWARD)]
+    state = first(hoop())(1.0)  # in flight, between 0.411 s and the landing
+    assert np.isnan(state.slip)
+    offset, radius = 0.35, 0.5
+    with mpmath.workdps(30):
+        # The hoop's own centre is ahead of the centre of mass by the offset; it lands at the height of the radius.
+        def height(t):
+            turned = mpmath.mpf(state.theta) + mpmath.mpf(state.omega) * t
+            return state.y + state.vy * t - G * t * t / 2 - offset * mpmath.sin(turned) - radius
+
+        lands = 1.0 + float(mpmath.findroot(height, 0.0868))
+    assert motion.transitions[3].time == pytest.approx(lands, abs=1e-12)
 
 
 @FORMULATIONS

@@ -46,6 +46,17 @@ def test_newtons_cradle_passes_its_momentum_on_by_pairs():
         assert impacts == (3 if sum(first) == 1.0 else 4)
 
 
+@pytest.mark.parametrize("law", ["moreau", "newton", "poisson"])
+def test_three_discs_that_touch_part_otherwise(law):
+    """At once, e = 1: each contact rebounds as it closed (Newton, Moreau), or both impulses are doubled (Poisson).
+
+    The first contact closes with 1 and opens with 1, the second stays closed: v = (−1/3, 2/3, 2/3). Momentum and energy
+    are conserved, as they are by (0, 0, 1), which engines give that solve pair after pair."""
+    after = cradle((1.0, 0.0, 0.0), [(0, 1), (1, 2)], law=law)[:, 0]
+    assert after == pytest.approx([-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0], abs=1e-12)
+    assert (after.sum(), after @ after) == pytest.approx((1.0, 1.0), abs=1e-12)
+
+
 def _compare_impacts(seeds) -> dict[str, int]:
     """Random impacts of a disc on a disc on the floor, with friction and two restitutions, by Moreau's law: enumeration
     and the complementarity problem. Returns how many have one solution, and how many of these stick or open somewhere.

@@ -4,8 +4,10 @@ from math import isnan, sqrt
 
 import pytest
 
+import cases
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, StartPose, Unilateral, disc, library
+from cases.scene.free_plates import plates_of
 
 G = 9.81
 ROUNDING = 1e-11  # relative: of the velocities at an impact, which an integration gives
@@ -19,6 +21,15 @@ def falls(plate, mu, e, x_rate=0.0, height=1.0, tilt=0.0):
 
 def impulses(case, **how):
     return reference.impacts(case, reference.simulate(case, **how))
+
+
+def test_a_disc_that_falls():
+    m, r, e, speed = 1.5, 0.1, 0.5, sqrt(2 * G * 0.9)
+    (first, *_) = impulses(falls(disc(r, m), 0.0, e))
+    assert first.time == pytest.approx(speed / G, rel=ROUNDING)
+    assert first.normal == pytest.approx((1 + e) * m * speed, rel=ROUNDING)
+    assert first.friction == pytest.approx(0.0, abs=ROUNDING)
+    assert first.work == pytest.approx(-0.5 * m * speed**2 * (1 - e**2), rel=ROUNDING)
 
 
 def test_friction_of_an_oblique_impact_slides_or_grips():
@@ -36,3 +47,31 @@ def test_a_box_that_lands_flat_has_one_friction_for_both_corners():
     # Friction −0.3·P at the height 0.1 turns the box: N₁ + N₂ = P, and the moment 0.2 (N₂ − N₁) = 0.03 P.
     speed = sqrt(2 * G * 0.9)
     assert sorted(one.normal for one in ends) == pytest.approx([speed * 0.425, speed * 0.575], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["bouncing_disc", "row_of_discs", "disc_on_free_disc", "disc_onto_incline"])
+@pytest.mark.parametrize("method", ["dop853", "taylor"])
+def test_their_work_is_the_change_of_energy(name, method):
+    if method == "taylor":
+        pytest.importorskip("heyoka")
+    case = cases.load(name)
+    motion = reference.simulate(case, method=method)
+    found = reference.impacts(case, motion)
+    assert found and all(one.normal >= -ROUNDING for one in found)
+    times = {one.time for one in found}
+    lost = sum(one.work for one in found)
+    jumps = sum(kinetic(case, motion, t, 1) - kinetic(case, motion, t, -1) for t in times)
+    assert lost == pytest.approx(jumps, rel=1e-6, abs=1e-9)  # velocities 1e-9 s beside the impact
+
+
+def kinetic(case, motion, t, side):
+    total = 0.0
+    for name, plate in zip(motion.plate_names, plates_of(case), strict=True):
+        now = motion.plate(name)(min(max(t + 1e-9 * side, 0.0), motion.t[-1]))
+        total += 0.5 * plate.mass * (now.vx**2 + now.vy**2) + 0.5 * plate.inertia * now.omega**2
+    return total
+
+
+def test_a_motion_without_impacts_has_none():
+    case = cases.load("disc_in_circle")
+    assert reference.impacts(case, reference.simulate(case)) == ()

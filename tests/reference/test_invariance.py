@@ -1,18 +1,22 @@
 """The same scene in a mirror, turned, in other units and by other parameters; the same motion whoever asks for it."""
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Mode, Plate, Start, Unilateral, disc
 from cases.library import ellipse, line
 from reference.minimal.integrators import taylor
-from tests.scenes.motions import in_other_units
+from tests.scenes.motions import in_other_parameters, in_other_units, mirrored, warped
 
 pytestmark = pytest.mark.taylor
 
+SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 G = Gravity(9.81), Unilateral()
 BOUNCES = *G, CoulombFriction(0.3), Flight(), Impact(0.4)
 WAVES = Curve(("s", "0.05*s**2 + 0.275*sin(2*s + 0.3)"), (-4.0, 4.0))
@@ -27,6 +31,39 @@ SCENES = {
     "step": Case(STEP, disc(0.08, 1.3), (*G, CoulombFriction(0.4)), Start(-1.0, slip=0.3, omega=-6.0), 0.8),
     "bowling": Case(line(), disc(0.1, 1.0), (*G, CoulombFriction(0.1)), Start(0.0, slip=1.0), 1.0),
 }  # fmt: skip
+
+
+class Description(NamedTuple):
+    """Another description of a case, the number of its units of time in a second, and the modes that it swaps."""
+
+    of: Callable[[Case], Case]
+    time: float = 1.0
+    swaps: dict[Mode, Mode] = {}
+
+
+DESCRIPTIONS = {
+    "mirror": Description(mirrored, swaps=SWAPPED),
+    "turned": Description(lambda case: in_other_units(case, 1.0, 1.0, 1.0, 0.7)),
+    "micrometres": Description(lambda case: in_other_units(case, 1e6, 1.0, 1.0, 0.0)),
+    "kilometres, light": Description(lambda case: in_other_units(case, 1e-3, 1.0, 1e-9, 0.0)),
+    "milliseconds, heavy": Description(lambda case: in_other_units(case, 1.0, 1e3, 1e9, 0.0), 1e3),
+    "parameters by the thousand": Description(lambda case: in_other_parameters(case, 1e3)),
+    "uneven parameters": Description(warped),
+}
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("how", DESCRIPTIONS)
+def test_a_motion_is_the_same_however_it_is_described(how, name):
+    case, (of, time, swaps) = SCENES[name], DESCRIPTIONS[how]
+    here, there = (reference.simulate(one, rtol=1e-13) for one in (case, of(case)))
+    assert there.status == here.status == "completed" and here.transitions
+    assert [swaps.get(t.after, t.after) for t in there.transitions] == [t.after for t in here.transitions]
+    assert [t.time / time for t in there.transitions] == pytest.approx([t.time for t in here.transitions], abs=1e-10)
+    instants = np.linspace(0.0, 0.999 * case.duration, 20)
+    sense = -1.0 if swaps else 1.0
+    assert sense * time * there(time * instants).omega == pytest.approx(here(instants).omega, abs=1e-7)
 
 
 @pytest.mark.parametrize("length", [1e3, 1e-3], ids=["millimetres", "kilometres"])

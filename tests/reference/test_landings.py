@@ -100,6 +100,19 @@ def test_a_landing_on_fine_ripples_is_the_first_crossing_of_their_parallel_curve
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("name", seeds(RIPPLES, ["1 um by 2.5 mm"]))
+def test_a_certificate_holds_the_landing_on_fine_ripples(name):
+    holds(over_ripples(*RIPPLES[name]), exact_over_ripples(name))
+
+
+def holds(case: Case, exact: mp.mpf) -> None:
+    """Asserts that a certificate of both formulations has the exact time of the landing within a narrow bar."""
+    certificate = reference.certify(replace(case, duration=1.01 * float(exact)))
+    _, _, time, _ = certificate.transitions[0]
+    assert abs(float(time.value - exact)) <= time.bar < 1e-9
+    assert "contact frame 1e-13" in certificate.witnesses and len(certificate.witnesses) >= 2
+
+
 @pytest.mark.sampled(3)
 @FORMULATIONS
 @pytest.mark.parametrize("above", [1e-11, -1e-11])

@@ -31,6 +31,13 @@ def solve(case: Case, times=()):
     return second_states.solve(case, rtol=1e-13, times=times)
 
 
+def check_against_the_first_formulation(case: Case, answer) -> None:
+    ours = reference.simulate(case, rtol=1e-12)
+    assert modes(answer) == modes(ours)
+    # Two integrations at 1e-12 and better; the hop's own sensitivity is moderate.
+    assert [t.time for t in answer.transitions] == pytest.approx([t.time for t in ours.transitions], abs=1e-10)
+
+
 def modes(answer) -> list[tuple[Mode, Mode]]:
     return [(t.before, t.after) for t in answer.transitions]
 
@@ -115,3 +122,51 @@ def test_coulomb_friction_of_any_strength_slips_where_a_rough_hoop_is_lost():
     # N' is the same but for a part of 1/μ.
     assert early[1] == pytest.approx(early[2], rel=1e-2)
     assert early[0] == pytest.approx(early[2], rel=1e-1)
+
+
+@pytest.mark.sampled(6)
+@pytest.mark.parametrize("mu", [0.1, 0.2, 0.5, 1.0, 3.0])
+def test_with_finite_friction_a_hoop_let_go_at_the_top_slips_and_does_not_hop(mu):
+    # Butler's objection: the friction that rolling takes outgrows its cone before the normal force vanishes.
+    for share in (0.8, 0.95, 0.999):
+        answer = solve(hoop(share, CoulombFriction(mu), Flight(), Impact(0.0), angle=0.4))
+        assert answer.status == "completed"
+        assert all(t.after is not Mode.FLIGHT for t in answer.transitions)
+        if share > 13 / 14:
+            assert any(t.before is Mode.ROLL and t.after is not Mode.ROLL for t in answer.transitions)
+
+
+@pytest.mark.slow
+def test_a_pushed_hoop_rolls_slips_hops_and_lands(accuracy):
+    # With a spin of √(g/R) at the top: it hops when the weight comes up the other side, after slipping both ways.
+    share = 0.9
+    case = hoop(share, CoulombFriction(0.3), Flight(), Impact(0.0), speed=1.0)
+    answer = solve(case)
+    assert [t.after for t in answer.transitions] == [
+        Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.FLIGHT, Mode.SLIP_FORWARD,
+    ]  # fmt: skip
+    check_against_the_first_formulation(case, answer)
+    hop, landing = answer.transitions[2:]
+    x, y, theta, vx, vy, omega, _ = solve(case, [hop.time]).motions[:, 0]
+    common = dict(case="pushed hoop", solver="reference", route="contact_frame", tolerance=1e-10)
+    # Where N has vanished the spin no longer changes and the centre of the hoop runs straight: g = e ω² cos φ.
+    from_top = pi / 2 - theta
+    assert 290 < np.degrees(from_top) < 300
+    accuracy(**common, quantity="g - e w^2 cos(phi) / m/s²", error=G - share * R * omega**2 * cos(from_top))
+
+    # The hoop's centre is e below the weight's side of the centre of mass, and lands at the height R.
+    def height(t):
+        return y + vy * t - G * t**2 / 2 - share * R * sin(theta + omega * t) - R
+
+    grid = np.linspace(1e-2, 1.0, 1001)
+    after = grid[np.argmax([height(t) < 0 for t in grid])]
+    exact = brentq(height, after - 1e-3, after, xtol=1e-15)
+    accuracy(**common, quantity="duration of the hop / s", error=landing.time - hop.time - exact)
+
+
+def test_a_start_with_a_spin_beyond_what_gravity_holds_hops_at_once():
+    # At the top N = m (g − e ω²): let go with e ω² > g the hoop is off the ground from the first instant.
+    for squared, first in ((0.99, Mode.ROLL), (1.01, Mode.FLIGHT)):
+        case = hoop(0.5, CoulombFriction(0.5), Flight(), Impact(0.0), speed=squared / 0.5, duration=0.2)
+        slip = solve(case, [1e-4]).motions[6, 0]
+        assert np.isnan(slip) == (first is Mode.FLIGHT)

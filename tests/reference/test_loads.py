@@ -1,8 +1,9 @@
 """No step passes over what a load in place or velocity does, however narrow that is: exact speeds, times and places."""
 
-from math import log, pi, sqrt
+from math import asinh, erf, exp, log, pi, sqrt
 
 import mpmath
+import numpy as np
 import pytest
 
 import reference
@@ -44,6 +45,80 @@ def at_end(case: Case, method: str, rtol: float = 1e-10):
     assert motion.status == "completed", motion.reason
     last = motion(case.duration)
     return {name: float(getattr(last, name)) for name in second_states.MOTION}
+
+
+# --- exact speeds: by the work that a force in place does -------------------------------------------------------------
+
+
+WIDTHS = (1.0, 0.2, 0.1, 1e-2, 1e-3, 1e-5, 1e-7)
+HILLS = [(width, strength) for width in WIDTHS for strength in (20.0, 2.0 / width)]
+
+
+@pytest.mark.parametrize(("width", "strength"), [hill if hill == (1e-2, 20.0) else slowly(*hill) for hill in HILLS])
+@FORMULATIONS
+def test_a_hill_of_force_is_felt(width, strength, methods):
+    """m v²/2 grows by A w √π. At 0.2 m the default method felt nothing (2.000 for 4.264 m/s), at 0.01 m none did."""
+    case = sliding(Load(fx=f"{strength!r}*exp(-((x-2)/{width!r})**2)"))
+    # From x = 0 to the end: all of it but for the tails of the widest.
+    last = float(reference.simulate(case).x[-1])
+    work = strength * width * sqrt(pi) / 2 * (erf(2 / width) + erf((last - 2) / width))
+    # The place is known to a rounding, and so the force on a slope: 4 eps 2 m A/w for as long as w/v.
+    known = 2e-10 + 8 * np.finfo(float).eps * strength
+    for method in methods:
+        assert at_end(case, method)["vx"] == pytest.approx(sqrt(4.0 + 2.0 * work), abs=known), method
+
+
+def soft_wall(x):
+    """The potential of a force -1e4 log(1 + exp(200 (x - 2)))/200, J."""
+    return 1e4 / 200 * mpmath.quad(lambda s: mpmath.log1p(mpmath.exp(200 * (s - 2))), [0, 1.9, x])
+
+
+POTENTIALS = {
+    "soft wall": ("-1e4*log(1+exp((x-2)*200))/200", soft_wall),
+    "step": ("1.5*(1+tanh(20*(x-3)))", lambda x: -1.5 * (x + (_logcosh(20 * (x - 3)) - _logcosh(60.0)) / 20)),
+    "kink": ("-3*sqrt(1e-12+(x-2)**2)", lambda x: 1.5 * (_root(x - 2) - _root(-2.0))),
+    "high power": ("-5*(x/2)**60", lambda x: 10 / 61 * (x / 2) ** 61),
+    "many hills": (
+        "20*exp(-(sin(x)/0.001)**2)",
+        lambda x: -20 * mpmath.quad(lambda s: mpmath.exp(-((mpmath.sin(s) / 0.001) ** 2)), _about_pi(x)),
+    ),
+    "narrow plateau": (
+        "1000*(tanh((x-2)/1e-4)-tanh((x-2.0005)/1e-4))",
+        lambda x: -0.1 * (_logcosh((x - 2) / 1e-4) - _logcosh((x - 2.0005) / 1e-4) + 5.0),
+    ),
+}
+
+
+def _logcosh(u):
+    return abs(u) + log((1 + exp(-2 * abs(u))) / 2)
+
+
+def _root(u):
+    return u * sqrt(u * u + 1e-12) + 1e-12 * asinh(u / 1e-6)
+
+
+def _about_pi(x):
+    return (
+        [0, 0.005, 0.01, pi - 0.01, pi - 0.003, pi, pi + 0.003, pi + 0.01, x] if x > pi + 0.02 else [0, 0.005, 0.01, x]
+    )
+
+
+QUICK = ("step",)
+
+
+@pytest.mark.parametrize("name", [name if name in QUICK else slowly(name) for name in POTENTIALS])
+def test_a_force_in_place_conserves_energy(name):
+    """At the place where each method ends its speed is that of energy: the soft wall was passed through, the step not
+    felt."""
+    formula, potential = POTENTIALS[name]
+    case = sliding(Load(fx=formula))
+    ends = {method: at_end(case, method) for method in (*reference.METHODS, "second")}
+    for method, end in ends.items():
+        exact = 4.0 - 2.0 * float(potential(end["x"]))
+        assert end["vx"] ** 2 == pytest.approx(exact, abs=2e-8), method
+    # And at the same time they are at the same place.
+    for end in ends.values():
+        assert end["x"] == pytest.approx(ends["second"]["x"], abs=5e-9)
 
 
 # --- exact motions: loads in velocity, spin and time ------------------------------------------------------------------
@@ -128,3 +203,11 @@ def test_a_load_that_is_too_fast_ends_with_a_status_or_is_right(method, monkeypa
         return
     assert (motion.status, "steps" in motion.reason) == ("unfinished", True)
     assert float(motion.t[-1]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_load_without_a_value_ends_with_a_status():
+    for method in EVERY:
+        motion = reference.simulate(sliding(Load(fx="sqrt(2-x)")), method=method)
+        assert motion.status == "breakdown" and "t = " in motion.reason
+        # v²/2 = 2 + (2/3)(2^(3/2) - (2 - x)^(3/2)) until x = 2.
+        assert float(motion.x[-1]) == pytest.approx(2.0, abs=1e-6)

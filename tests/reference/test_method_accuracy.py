@@ -5,6 +5,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Plate, Start, Trajectory, Unilateral, disc
 from cases.library import circle, cosine, ellipse, line, parabola
@@ -88,6 +89,12 @@ def worse(case: Case, tolerances, truth_by: str = "dop853", finest: float = 1e-1
 def test_a_small_plate_with_high_speeds_is_within_the_tolerance():
     # Before steps had a margin: 54 tolerances at 1e-5, 19 at 1e-8 (DOP853: 11 and 4).
     assert worse(small_ellipse_in_circle(), (1e-3, 1e-5, 1e-8)) == []
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("name", ["disc_off_ramp", "slider_on_belt_falling_law"])
+def test_cases_of_the_catalogue_at_a_loose_tolerance(name):
+    assert worse(cases.load(name), (1e-6,)) == []
 
 
 @pytest.mark.slow

@@ -8,6 +8,8 @@ import reference
 from cases import Case, Impact, Mode, StartPose, Support, disc
 from cases.library import line
 from cases.motion.trajectory import Transition
+from reference.certification import certify
+from reference.certification.witnesses import _by_second
 from tests.scenes.supports import FREE, G
 
 SLOPE, LEAN, FLOOR, WALL, RADIUS, WAY, SPEED = 0.2, 0.35, 0.3, 0.5, 0.1, 0.3, 1.0
@@ -53,3 +55,17 @@ def test_impacts_on_a_wall_after_rests_on_the_floor_end_in_the_exact_time(method
     motion = reference.simulate(disc_between_floor_and_wall(), rtol=1e-13, method=method)
     assert motion.status == "completed"
     check_wall(motion.transitions)
+
+
+@pytest.mark.slow
+def test_the_second_formulation_ends_them_in_the_exact_time():
+    second = _by_second(disc_between_floor_and_wall(), "second", 1e-13)
+    assert second.status == "completed"
+    check_wall(second.transitions)
+
+
+@pytest.mark.slow
+def test_such_a_motion_is_certified():
+    certificate = certify(disc_between_floor_and_wall())
+    (time, bar), (_, end) = certificate.transitions[-1][2], exact_times()
+    assert abs(time - end) <= bar < 1e-9

@@ -39,6 +39,14 @@ def test_moment_far_in_the_tail_of_tanh_is_constant():
     check(463)
 
 
+@pytest.mark.sampled(10, first=5)
+@pytest.mark.parametrize("seed", [333, 422, 831, 1139, 1323, 1374])
+def test_plates_that_a_load_spins_up_to_1e8_rad_per_s_and_more(seed):
+    """The speed of the centre is a difference of speeds up to 1e14 m/s, and the angle has its own rounding: neither is
+    a load that no step resolves."""
+    check(seed)
+
+
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_plate_spun_by_1e12_rad_keeps_its_place(method):
     """The angle is rounded to 1e-4 rad there, and its cosine and sine would move the centre by 1e-5 m."""

@@ -84,6 +84,16 @@ def test_a_road_of_fractions_is_derived_in_seconds():
         assert reference.simulate(case).status == "completed"
 
 
+def test_far_from_a_steep_step_its_series_have_values():
+    """tanh(u) was taken as sinh(u)/cosh(u), which overflows beyond u = 710: where the plate leaves a hill 2.4 m before
+    such a step, the series of its normal force had no value."""
+    track = Curve(("s", "0.3*exp(-(2*(s-0.6))**2) + 0.0001*tanh(400*(s-3))"))
+    case = Case(track, disc(0.01, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=3.0), 1.0)
+    for method in reference.METHODS:
+        motion = reference.simulate(case, method=method)
+        assert motion.status == "lift_off" and not reference.check(case, motion)
+
+
 SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7)]
 
 

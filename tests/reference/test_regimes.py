@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -13,7 +14,10 @@ from cases import (
     Case,
     CoulombFriction,
     Curve,
+    Flight,
     Gravity,
+    Impact,
+    Load,
     Mode,
     Plate,
     Start,
@@ -21,6 +25,8 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases import curves as c
+from tests.scenes import second as second_states
+from tests.scenes.elliptic import ellipse
 
 pytestmark = pytest.mark.taylor
 
@@ -59,6 +65,19 @@ def test_a_guide_presses_from_its_other_side_at_a_coarse_tolerance(method, rtol)
     assert only.time == pytest.approx(0.558574238439291, rel=rtol)  # proved, see reference/proofs/catalogue.json
 
 
+@pytest.mark.parametrize(
+    ("method", "mu"),
+    [("dop853", 0.3), *(pytest.param("taylor", mu, marks=pytest.mark.slow) for mu in (0.3, 0.5))],
+)
+def test_a_guide_changes_its_side_while_the_plate_slips_slowly(method, mu):
+    """The slip is then less than the tolerance's part of the spin, but not zero: the plate continues to slip."""
+    case = cases.load("guided_loop", ratio=8.0, mu=mu)
+    rough, fine = reference.simulate(case, rtol=1e-2, method=method), reference.simulate(case, rtol=1e-12)
+    assert rough.status == "completed", rough.reason
+    assert [(e.before, e.after) for e in rough.transitions] == [(e.before, e.after) for e in fine.transitions]
+    assert [e.time for e in rough.transitions] == pytest.approx([e.time for e in fine.transitions], rel=1e-2)
+
+
 def test_a_motion_into_the_paradox_is_told_as_such():
     outline = Curve(lambda s: (-0.5 + 0.01 * c.cos(s), 0.01 * c.sin(s)))
     rod = Plate(outline, 1.0, 1 / 12)
@@ -88,3 +107,26 @@ def test_without_heyoka_everything_works_and_says_once_which_method_it_used():
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.startswith("('dop853',) 0.63005376")
     assert run.stderr.count("dop853") == 1
+
+
+@pytest.mark.sampled(2, first=1)
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_loose_tolerance_does_not_change_what_follows_a_transition(method):
+    # An elliptic plate in a cosine valley: its slip reverses, and a coarse motion must not mistake that for a lift-off.
+    plate = Plate(ellipse(0.15, 0.1), 1.0, 0.008)
+    case = Case(valley(0.3), plate, (Gravity(9.81), CoulombFriction(0.1), Unilateral()), Start(-1.0), 3.0)
+    fine = [t.after for t in reference.simulate(case, rtol=1e-10, method=method).transitions]
+    coarse = reference.simulate(case, rtol=1e-3, method=method)
+    assert [t.after for t in coarse.transitions] == fine
+
+
+def test_a_plate_with_corners_that_a_load_lifts_from_the_start_flies():
+    """Its start was rejected, as "a curve with corners has no single formula"."""
+    case = cases.load("half_disc_rocking")
+    kept = tuple(e for e in case.effects if not isinstance(e, Flight | Impact))
+    case = replace(case, effects=(*kept, Load(fy="30"), Flight(), Impact(0.3)))
+    motion, other = reference.simulate(case), second_states.motion(case, until=1.0)
+    assert motion.first_mode is Mode.FLIGHT and not motion.transitions and not other.transitions
+    assert motion(1.0).y == pytest.approx(other.last.motion[1], abs=1e-9)
+    # Weightless but for 30 N upwards.
+    assert motion(1.0).vy == pytest.approx(30.0 / case.plate.mass - 9.81 + motion(0.0).vy, abs=1e-11)

@@ -1,5 +1,8 @@
 """Where motions of the second formulation end early: at once, or when their work is used up."""
 
+import re
+from math import pi
+
 import numpy as np
 import pytest
 
@@ -58,6 +61,40 @@ def test_work_is_bounded_and_what_was_done_is_the_motions_beginning(name, monkey
     there = second_states.motion(case, until=short.end).last.motion[:6]
     # A hop may end there: before and after its impact, with restitution 1, speeds have the same size.
     assert np.abs(short.last.motion[:6]) == pytest.approx(np.abs(there), rel=1e-9, abs=1e-9)
+
+
+def on_line(*effects, **start) -> Case:
+    return Case(line(), disc(0.1, 2.0), (*GRIP, *effects), Start(0.0, **start), 2.0)
+
+
+RING = Plate(ellipse(0.2, 0.1), 1.0, 0.0125)
+# Where no double holds the motion any more, and the time (s).
+BEYOND = {
+    "spin": (Case(circle(1.0), RING, (*GRIP, Flight(), Impact(0.5)), Start(-0.5, 0.3, omega=1e30), 2.0), 0.0),
+    "root": (on_line(Load(fx="sqrt(1 - t)")), 1.0),
+    "root in flight": (on_line(Flight(), Load(fy="-sqrt(0.1 - t)"), gap=0.5), 0.1),
+    "pole": (on_line(Load(fx="1/(1 - t)")), 1.0),
+    "double pole": (on_line(CoulombFriction(0.3), Load(fx="1/(t - 1)**2")), 1.0),
+    "pole of a tangent": (on_line(Load(fx="tan(3*t)")), pi / 6),
+}
+
+
+def end_of(case: Case) -> tuple[str, float]:
+    """The status of a motion, or the sentence with which it ends, and the time."""
+    try:
+        answer = second_states.motion(case)
+    except FloatingPointError as problem:
+        time = re.search(r"t = (\S+) s", str(problem))
+        return str(problem), float(time[1]) if time else np.nan
+    return answer.status, answer.end
+
+
+@pytest.mark.sampled(3, first=1)
+@pytest.mark.parametrize("name", BEYOND)
+def test_what_no_double_holds_ends_in_one_sentence_at_its_time(name):
+    sentence, end = end_of(BEYOND[name][0])
+    assert sentence == "breakdown" or "\n" not in sentence and len(sentence) > 30
+    assert end == pytest.approx(BEYOND[name][1], abs=1e-6)
 
 
 def test_a_side_on_a_track_with_corners_is_refused_and_not_ended():

@@ -24,6 +24,8 @@ from cases import (
 )  # fmt: skip
 from cases import curves as c
 from cases.library import line
+from cases.motion.mechanics import energy
+from reference.certification.witnesses import _by_second
 from tests.scenes import second as second_states
 
 G = 9.81
@@ -96,6 +98,42 @@ def test_a_disc_held_in_a_valley_begins_to_turn_under_a_growing_moment(mu):
     assert np.diff(ranges, axis=0)[0, 1] < 1e-4 * np.diff(ranges, axis=0)[0, 0]  # the forces become unique at the limit
 
 
+@pytest.mark.slow
+def test_a_disc_rocks_in_a_valley_and_comes_to_rest():
+    # In a symmetric valley every hand-over is at the same pose. Angular momentum about the new contact gives the
+    # factor (1 + 2 cos 2α)/3 of the spin, with the flanks' inclination α there; between two of them energy is kept.
+    radius = 0.5
+    track = groove(radians(20), 0.01)
+    _, alpha = held(track, radius, low=0.1)
+    case = case_in(track, Start(-0.6), CoulombFriction(1.0), radius=radius, duration=8.0)
+    motion = reference.simulate(case, rtol=1e-14)
+    factor = (1 + 2 * cos(2 * alpha)) / 3
+    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.omega)) > 1e-6))[:20]
+    assert len(jumps) == 20
+    assert motion.omega[jumps + 1] / motion.omega[jumps] == pytest.approx([factor] * 20, rel=1e-9)
+    assert motion.omega[jumps[:8] + 1] / motion.omega[jumps[:8]] == pytest.approx([factor] * 8, rel=1e-12)
+    total = energy(case, motion)
+    for first, last in zip(jumps[:-1] + 1, jumps[1:], strict=True):
+        assert np.ptp(total[first : last + 1]) < 1e-13 * total[0]
+    last = motion.transitions[-1]
+    assert last.cause == "bouncing came to rest" and motion(8.0).omega == 0.0
+    # The intervals become a geometric series with the same factor.
+    times = motion.t[jumps]
+    rest = times[-1] + (times[-1] - times[-2]) * factor / (1 - factor)
+    assert last.time == pytest.approx(rest, abs=1e-3 * (last.time - times[-1]))
+
+
+def test_without_friction_the_speed_along_the_next_flank_is_kept():
+    # cos 2α of it, with the flanks' inclination α where the disc touches both.
+    radius = 0.3
+    track = groove(radians(30), 0.01)
+    _, alpha = held(track, radius, low=0.1)
+    motion = reference.simulate(case_in(track, Start(-0.5), radius=radius, duration=2.0), rtol=1e-14)
+    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.vx)) > 1e-6))[:6]
+    speeds = np.hypot(motion.vx, motion.vy)
+    assert speeds[jumps + 1] / speeds[jumps] == pytest.approx([cos(2 * alpha)] * 6, rel=1e-10)
+
+
 @pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(("name", "digits"), [("ladder_at_wall", 4), ("round_ladder_at_wall", 3.75)])
 def test_a_closed_contact_is_not_struck_where_another_one_opens(name, digits):
@@ -128,9 +166,32 @@ def test_a_second_contact_without_a_law_of_impact_ends_the_motion_and_says_what_
 # --- two formulations -------------------------------------------------------------------------------------------------
 
 
+def _agree(case: Case, within: float) -> int:
+    """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError."""
+    motion = reference.simulate(case, rtol=1e-14)
+    second = _by_second(case, "second", 1e-13)
+    changes = [(t.contact, t.before, t.after) for t in motion.transitions]
+    assert (second.status, [(t.contact, t.before, t.after) for t in second.transitions]) == (motion.status, changes)
+    for one, other in zip(motion.transitions, second.transitions, strict=True):
+        assert abs(one.time - other.time) < within
+    return len(changes)
+
+
 def test_an_impact_in_a_groove_has_two_outcomes_where_the_disc_may_be_wedged():
     """Forces along the line of both contacts hold each other where that line is in both cones of friction, for
     μ tan α > 1: the disc stops, or rocks on as it does without them."""
     for incline, status in ((0.78, "completed"), (0.79, "not_unique")):  # μ = 1, and tan α = 1 at 0.7854
         case = cases.load("disc_rocking_in_groove", incline=incline, rounding=1e-6, duration=0.5)
         assert reference.simulate(case, method="dop853").status == status
+
+
+def test_a_disc_that_a_load_lifts_off_one_flank_at_once_rolls_on_the_other_one():
+    # At rest N = m g cos α + F_x sin α, and a third of the load along the flank is friction.
+    alpha, radius, fx = radians(47), 0.2, 12.5
+    track = groove(alpha, 0.01)
+    xi1, slope = held(track, radius, low=0.05)
+    case = case_in(track, Start(xi1), CoulombFriction(0.5), Load(fx=fx), radius=radius, duration=0.2)
+    assert _agree(case, 1e-12) == 0
+    now = reference.simulate(case).contact_columns("plate/track 2", np.zeros(1))
+    assert now.normal_force == pytest.approx(G * cos(slope) + fx * sin(slope), rel=1e-12)
+    assert now.friction_force == pytest.approx((G * sin(slope) - fx * cos(slope)) / 3.0, rel=1e-12)

@@ -1,7 +1,7 @@
 """Short events: slips, sticks and lift-offs of microseconds inside a step, found by the second formulation."""
 
 from dataclasses import replace
-from math import cos, sin, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from scipy.special import ellipk
 
 import cases
 import reference
-from cases import Mode
+from cases import Mode, Start
 from reference.witness.dips import SHORTEST, excursion
 from tests.scenes import second as second_states
 
@@ -63,6 +63,19 @@ def test_a_pendulum_slips_at_each_end_of_its_swing_for_as_long_as_friction_is_ov
     # 1e-7, terms of the next order in δ (1e-4 s) are δ³ over the squared time scale of 0.3 s. A pose off by 9e-15 rad
     # shifts a slip by 1e-10 s, and roundings of 2.4 s of poses add up to 2e-14 rad (DOP853 of the first: 2.9e-10 s).
     assert [t.time for t in answer.transitions] == pytest.approx(exact, abs=5e-10)
+
+
+@pytest.mark.parametrize("method", [*reference.METHODS, "second"])
+def test_a_slip_that_begins_and_ends_in_the_first_step_of_a_phase_is_found(method):
+    case, (_, before) = cases.load("pendulum_at_the_cone", part=-1e-9), swing(-1e-9)
+    # A start off by 9e-15 rad, as of a motion at a tolerance of 1e-14, shifts the first slip by 1e-10 s.
+    angle = brentq(lambda d: time_to_rest(d) - before - 1e-5, 1e-12, 1e-3, xtol=1e-20, rtol=1e-15)
+    speed = sqrt(2 * RATE * sin(AMPLITUDE - angle / 2) * sin(angle / 2))
+    start = Start(xi1=-pi / 2 + AMPLITUDE - angle, omega=-speed * LENGTH / case.plate.radius)
+    case = replace(case, start=start, duration=1e-3)
+    motion = solve(case) if method == "second" else reference.simulate(case, rtol=1e-13, method=method)
+    assert [t.after for t in motion.transitions] == [Mode.SLIP_BACKWARD, Mode.ROLL]
+    assert [t.time for t in motion.transitions] == pytest.approx([1e-5, 1e-5 + 3.0 * before], abs=2e-10)
 
 
 # The rolling disc of `pendulum_at_the_cone`: φ̇² = (4 g/3 L)(cos φ − cos A).

@@ -11,8 +11,12 @@ import sympy as sp
 import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Mode, Start, Unilateral
-from cases.library import line
+from cases.library import circle, line
+from reference.minimal.modes import candidates, phase, start_state, state_in
+from reference.paper.augmented import fill, solution
+from reports.judging.residuals import examine
 from tests.scenes import second as second_states
+from tests.scenes.motions import energy, work_done
 from tests.scenes.slip_laws import GAUSSIAN, HYPERBOLIC, PEAK, STRIBECK, G, sliding_disc
 
 pytestmark = pytest.mark.taylor
@@ -23,6 +27,11 @@ def simulate_all(case: Case, rtol: float = 1e-13):
     return [reference.simulate(case, rtol, method) for method in reference.solve.ROUTES] + [
         second_states.motion(case, rtol=rtol)
     ]
+
+
+def in_circle(mu, **options) -> Case:
+    effects = (Gravity(G), CoulombFriction(mu, **options), Unilateral())
+    return Case(circle(1.0), cases.disc(0.1, 1.0), effects, Start(-0.1), 2.5)
 
 
 # --- exact motions ----------------------------------------------------------------------------------------------------
@@ -66,6 +75,39 @@ def test_a_disc_on_a_ramp_slips_at_the_speed_where_three_coefficients_make_the_s
         assert motion.first_mode is Mode.SLIP_BACKWARD and not motion.transitions
         allowed = 5e-12 if method == "dop853" else 1e-12  # DOP853 makes 60 steps at its tolerance of 1e-13
         assert motion(times).slip == pytest.approx(final * (1.0 - np.exp(-rate * times)), abs=allowed)
+
+
+# --- agreement --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, PEAK])
+def test_the_eliminated_equations_agree_with_the_literal_matrix(mu):
+    case = in_circle(mu)
+    for regime in candidates(case):
+        now = phase(case, regime)
+        for slip in (0.03, 0.5):
+            sign = -1.0 if regime.mode is Mode.SLIP_BACKWARD else 1.0
+            start = Start(0.3, slip=0.0 if regime.mode is Mode.ROLL else sign * slip, omega=2.0)
+            y = start_state(replace(case, start=start))
+            outputs = now.system.record(*now.system.outputs_of_numbers(0.0, state_in(now, y), now.parameters))
+            literal = solution(fill(case, regime.mode, y))
+            assert outputs.u1_dot == pytest.approx(literal.q2_ddot[0], rel=1e-12)
+            assert outputs.u2_dot == pytest.approx(literal.q2_ddot[1], rel=1e-12)
+            assert outputs.normal == pytest.approx(literal.normal_force, rel=1e-12)
+            assert outputs.friction == pytest.approx(literal.friction_force, rel=1e-12)
+
+
+# --- energy and invariance --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, GAUSSIAN])
+def test_the_energy_closes_with_the_work_of_friction(mu):
+    motion = reference.simulate(in_circle(mu, mu_static=0.4), 1e-13)
+    assert examine(motion.case, motion).energy <= 1e-10
+    lost = np.diff(energy(motion.case, motion(np.array([0.0, motion.t[-1]]))))[0]
+    assert lost == pytest.approx(work_done(motion.case, motion), abs=1e-10 * abs(lost))
+    assert lost < -0.1
 
 
 # --- endings ----------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import reference
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, disc
 from cases.library import line
 from reference.minimal import assembly
 from tests.scenes import second as second_states
@@ -66,6 +66,18 @@ def test_a_long_spline_is_compiled_once():
     assert assembly._in_contact.cache_info().misses == before
 
 
+@pytest.mark.sampled(2, first=1)
+@pytest.mark.parametrize("place", ["knot", "rest"])
+def test_a_motion_may_begin_or_rest_at_a_knot(place):
+    x = np.linspace(-2.0, 2.0, 41)
+    track = Curve.spline(np.column_stack([x, 0.5 * x**2]))
+    xi1 = track.domain[1] / 2 if place == "rest" else track.knots[9]
+    motion = agree(Case(track, disc(0.1, 1.0), GRIP, Start(xi1=xi1), 2.0), 1e-11)
+    assert motion.status == "completed"
+    if place == "rest":
+        assert abs(motion(2.0).x) < 1e-12
+
+
 def test_the_end_of_an_open_spline_ends_the_motion():
     track = Curve.spline(np.column_stack([np.linspace(0, 1, 12), -0.2 * np.linspace(0, 1, 12)]))
     motion = agree(Case(track, disc(0.1, 1.0), GRIP, Start(xi1=0.2), 9.0), 1e-11)
@@ -88,6 +100,22 @@ def test_a_closed_spline_as_an_outline_rolls_through_many_turns():
     assert (ends[1].theta - ends[0].theta) % (2 * np.pi) == pytest.approx(2 * np.pi, abs=1e-6)
 
 
+X = np.linspace(-3.0, 3.0, 60)
+WAVY = Curve.spline(np.column_stack([X, 0.3 * X**2 + 0.15 * np.sin(5 * X)]))
+BOUNCING = (Gravity(9.81), CoulombFriction(0.15), Unilateral(), Flight(), Impact(0.5))
+
+
+@pytest.mark.slow
+def test_a_plate_flies_from_a_spline_and_lands_on_it():
+    motion = agree(released(WAVY, -1.8, BOUNCING, disc(0.05, 1.0), 1.5), 1e-9)
+    assert any(t.cause == "impact" for t in motion.transitions)
+
+
+def test_a_plate_that_is_dropped_lands_on_a_spline():
+    dropped = Case(WAVY, disc(0.05, 1.0), BOUNCING, Start(xi1=0.8 * WAVY.domain[1], gap=0.4), 1.0)
+    assert agree(dropped, 1e-9).transitions
+
+
 @pytest.mark.slow
 def test_a_second_contact_on_a_spline_ends_the_motion_where_both_formulations_find_it():
     """A disc rolls against a step with a foot of a smaller radius than its own: it meets the step there first."""
@@ -97,3 +125,22 @@ def test_a_second_contact_on_a_spline_ends_the_motion_where_both_formulations_fi
     motion = agree(case, 1e-9)
     assert motion.status == "second_contact"
     assert motion.t[-1] == pytest.approx(second_states.motion(case, rtol=1e-11).end, abs=1e-9)
+
+
+def test_a_sweep_on_a_spline_has_the_single_motions():
+    track = valley(40)
+
+    def disc_in_measured_valley(mu=0.1):
+        return Case(track, disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(mu), Unilateral()), Start(1.3), 1.5)
+
+    values = [0.05, 0.1, 0.3]
+    rows = reference.sweep(disc_in_measured_valley, mu=values)
+    for value, outcome in zip(values, rows["outcome"], strict=True):
+        assert outcome == reference.simulate(disc_in_measured_valley(value)).status
+
+
+@pytest.mark.slow
+def test_a_motion_on_a_spline_is_certified_by_all_witnesses():
+    certificate = reference.certify(released(valley(40), -1.0, duration=1.5))
+    assert not certificate.missing and len(certificate.transitions) == 2
+    assert all(bar.bar < 1e-12 for _, _, bar, _ in certificate.transitions)

@@ -9,10 +9,10 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Mode, StartPose, Support, disc
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, StartPose, Support, disc
 from cases.library import line
 from cases.motion.mechanics import energy
-from tests.scenes.supports import INELASTIC, G, events
+from tests.scenes.supports import FREE, INELASTIC, G, events
 
 # --- the ladder -------------------------------------------------------------------------------------------------------
 
@@ -107,6 +107,15 @@ def test_a_block_on_an_incline_slides_by_its_friction():
     )  # moments: μ N h = (N₂ − N₁) width/2
 
 
+@pytest.mark.parametrize(("slope", "mu"), [(0.3, 0.35), (0.44, 0.9)])
+def test_a_block_on_an_incline_rests_below_both_limits(slope, mu):
+    motion = reference.simulate(cases.load("block_on_incline", slope=slope, mu=mu))
+    assert motion.status == "completed" and not motion.transitions and motion(1.0).x == motion(0.0).x
+    ranges = motion.contacts["plate/track"]
+    assert ranges.normal_range[0, 0] == pytest.approx(ranges.normal_range[1, 0])  # of the normal forces both are unique
+    assert ranges.friction_range[0, 0] < ranges.friction_range[1, 0]
+
+
 def test_a_block_on_an_incline_tips_as_a_pendulum_about_its_corner():
     # The corner at (b, −h) from the centre sticks: (4/3)(b² + h²) φ̈ = g (h sin β − b cos β), β = slope + φ.
     slope, b, h = 0.6, 0.5, 1.0
@@ -118,6 +127,18 @@ def test_a_block_on_an_incline_tips_as_a_pendulum_about_its_corner():
         fall = b * (sin(slope) - sin(beta)) + h * (cos(slope) - cos(beta))
         assert now.omega**2 * inertia == pytest.approx(2.0 * G * fall, rel=1e-12)
     assert motion.transitions[0].time > 0.9 and motion.transitions[0].before is Mode.ROLL
+
+
+def test_a_block_on_an_incline_slides_and_tips():
+    # On the front corner with friction μ N: J ω̇ = N (μ h − b) with J = (b² + h²)/3, and N = g cos α + b ω̇.
+    slope, mu, b, h = 0.6, 0.52, 0.5, 1.0
+    motion = reference.simulate(cases.load("block_on_incline", slope=slope, mu=mu))
+    own = (b * b + h * h) / 3.0
+    normal = G * cos(slope) / (1.0 - b * (mu * h - b) / own)
+    now = motion.contact_columns("plate/track", np.array([0.0]))
+    assert now.normal_force[0] == pytest.approx(normal, rel=1e-12)
+    assert now.friction_force[0] == pytest.approx(-mu * normal, rel=1e-12)
+    assert motion.first_mode is Mode.SLIP_FORWARD and motion(0.1).omega < 0.0
 
 
 def test_a_rocking_block_loses_spin_as_housner_found():
@@ -132,6 +153,13 @@ def test_a_rocking_block_loses_spin_as_housner_found():
 
 
 # --- discs ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_disc_that_spins_in_a_v_stops_in_time():
+    motion = reference.simulate(cases.load("disc_spinning_in_v"), rtol=1e-14)
+    stop = 0.5 * 20.0 * (1.0 + 0.3**2) * cos(pi / 6) / (2.0 * 0.3 * G)
+    assert {t.contact for t in motion.transitions} == {"plate/track", "plate/right"}
+    assert [t.time for t in motion.transitions] == pytest.approx([stop] * 2, abs=1e-12)
 
 
 def test_a_disc_rocks_in_a_v_by_the_exact_factor_and_times():
@@ -154,3 +182,24 @@ def test_a_disc_rocks_in_a_v_by_the_exact_factor_and_times():
     assert motion.t[jumps] == pytest.approx(times, abs=1e-12)
     assert motion.omega[jumps + 1] / motion.omega[jumps] == pytest.approx([factor] * 20, rel=1e-12)
     assert impacts == pytest.approx(times, abs=1e-12)
+
+
+def test_each_support_has_its_own_restitution_and_friction():
+    # A disc thrown against a wall, then onto the floor: without friction each impact turns one velocity around.
+    wall = Support(line(pi / 2), "wall", effects=(Impact(0.8),))
+    case = Case(line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), StartPose(0.6, 0.3, vx=-4.0), 0.4, supports=(wall,))
+    motion = reference.simulate(case, rtol=1e-14)
+    assert [t.contact for t in motion.transitions] == ["plate/wall", "plate/track"]
+    assert motion.transitions[0].time == pytest.approx(0.125, abs=1e-14)
+    assert motion.transitions[1].time == pytest.approx(sqrt(0.4 / G), abs=1e-14)
+    assert motion(0.4).vx == pytest.approx(3.2, rel=1e-13)
+    assert motion(0.4).vy == pytest.approx(0.5 * sqrt(0.4 * G) - G * (0.4 - sqrt(0.4 / G)), rel=1e-12)
+    rough = Support(line(pi / 2), "wall", effects=(PerfectlyRough(), Impact(0.8, "poisson")))
+    case = Case(
+        line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), StartPose(0.6, 0.5, vx=-4.0, vy=1.0), 0.2, supports=(rough,)
+    )
+    spun = reference.simulate(case)
+    after = spun(0.2)  # a rough impact makes a disc roll: a third of its speed along the wall goes into the spin
+    before = 1.0 - G * 0.125
+    assert after.vy + G * 0.075 == pytest.approx(2.0 / 3.0 * before, rel=1e-12)
+    assert 0.1 * after.omega == pytest.approx(after.vy + G * 0.075, rel=1e-12)

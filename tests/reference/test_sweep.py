@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -12,9 +14,13 @@ from cases import (
     BadValue,
     Case,
     CaseError,
+    ContactEffect,
+    ContactForce,
     CoulombFriction,
     Curve,
+    Drive,
     Flight,
+    FreePlate,
     Gravity,
     Impact,
     Plate,
@@ -22,6 +28,7 @@ from cases import (
     Support,
     Unilateral,
     UnknownName,
+    disc,
 )
 from cases.library import line
 from cases.motion.mechanics import energy
@@ -42,6 +49,59 @@ FAMILIES = {
     "disc_sliding_off_hill": dict(angle="0.1:0.8"),
     "disc_on_line": dict(v0="-3:3", mu="0.01:0.8", r="0.05:0.2"),
     "disc_in_circle[xi1=0]": dict(mu="0.005:0.6", R="0.5:2"),
+}
+FREE = (Gravity(9.81), Unilateral(), Flight(), Impact(0.3))
+BALL = disc(0.1, 1.0)
+
+
+@dataclass(frozen=True)
+class Pull(ContactEffect):
+    """A force of a package."""
+
+    size: float
+
+    def force(self) -> ContactForce:
+        return ContactForce(across=-self.size)
+
+
+def falling(*effects, plate: Plate = BALL, **more) -> Case:
+    """A plate with impacts that falls 20 mm to a line, with effects and what else a case may have."""
+    high = 0.1 if plate is BALL else 0.05
+    return Case(line(), plate, (*FREE, *effects), StartPose(0.0, high + 0.02, vx=0.5), 0.3, **more)
+
+
+def at_wall(mu: float) -> Case:
+    return falling(CoulombFriction(mu), supports=(Support(Curve(("0.15", "s")), "wall"),))
+
+
+def with_plate_ahead(mu: float) -> Case:
+    return falling(CoulombFriction(mu), others=(FreePlate(BALL, StartPose(0.22, 0.1), "ahead"),))
+
+
+def pulled(size: float) -> Case:
+    return falling(CoulombFriction(0.2), Pull(size))
+
+
+def by_slip_speed(mu: float) -> Case:
+    return falling(CoulombFriction(f"{mu} + 0.1*exp(-v)"))
+
+
+def on_shaken_table(rate: float) -> Case:
+    return falling(CoulombFriction(0.2), Drive(x=f"0.01*sin({rate}*t)"))
+
+
+def box(mu: float) -> Case:
+    return falling(CoulombFriction(mu), plate=Plate.rectangle(0.2, 0.1, 1.0))
+
+
+# Scenes that the rules on arrays do not know, with a parameter and its values.
+GENERAL = {
+    at_wall: dict(mu=[0.1, 0.3]),
+    with_plate_ahead: dict(mu=[0.1, 0.3]),
+    pulled: dict(size=[1.0, 4.0]),
+    by_slip_speed: dict(mu=[0.1, 0.3]),
+    on_shaken_table: dict(rate=[10.0, 20.0]),
+    box: dict(mu=[0.1, 0.3]),
 }
 # s. Both integrate to 1e-10 by steps of their own; each is then within some 1e-12 of the truth, as simulate is.
 APART = 1e-11
@@ -69,21 +129,11 @@ def differences(name: str, number: int, seed: int) -> tuple[list[str], float]:
     return wrong, apart
 
 
-# Scenes that the rules on arrays do not know.
-def box(mu: float, supports: tuple[Support, ...] = ()) -> Case:
-    """A box with impacts that falls 20 mm to a line."""
-    effects = (Gravity(9.81), Unilateral(), Flight(), Impact(0.3), CoulombFriction(mu))
-    return Case(line(), Plate.rectangle(0.2, 0.2, 1.0), effects, StartPose(0.0, 0.12, vx=0.5), 0.3, supports=supports)
-
-
-def at_wall(mu: float) -> Case:
-    return box(mu, supports=(Support(Curve(("0.15", "s")), "wall"),))
-
-
-@pytest.mark.parametrize("make", [at_wall, box], ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", GENERAL, ids=lambda make: make.__name__)
 def test_every_scene_can_be_swept(make):
-    for row in reference.sweep(make, mu=[0.1, 0.3, np.nextafter(0.3, 9.0)]).to_dict("records"):
-        motion = reference.simulate(make(row["mu"]))
+    ((name, values),) = GENERAL[make].items()
+    for row in reference.sweep(make, **{name: [*values, np.nextafter(values[-1], 9.0)]}).to_dict("records"):
+        motion = reference.simulate(make(row[name]))
         changes = [f"{e.contact and f'{e.contact}: '}{e.after}" for e in motion.transitions]
         assert (row["outcome"], row["alone"]) == (motion.status, True)
         assert row["sequence"] == ARROW.join([motion.first_mode, *changes])
@@ -174,6 +224,12 @@ def test_a_branch_in_the_case_is_seen():
     assert len(there) >= 1
     for mu, time in zip(there.mu, there.first_time, strict=True):
         assert time == pytest.approx(slip_end(mu).time * np.sqrt(1.9 / 9.81), abs=1e-9)
+
+
+def test_certified_rows_have_error_bars():
+    asked = plan("disc_in_circle", dict(mu=[0.1, 0.2]))
+    (row,) = table.scenario_rows(asked, 0, 1, certified=True).to_pylist()
+    assert len(row["error_bars"]) == len(row["times"]) and 0.0 < max(row["error_bars"]) < 1e-12
 
 
 def test_the_boundary_of_the_application_is_where_the_paper_says():

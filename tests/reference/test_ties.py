@@ -1,12 +1,13 @@
 """Thresholds that are met exactly: the motion is the limit that both sides share, whatever the roundings are."""
 
-from math import sqrt
+from math import cos, sin, sqrt
 
 import numpy as np
 import pytest
 
 import reference
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Curve,
@@ -17,6 +18,7 @@ from cases import (
     Mode,
     Plate,
     Start,
+    StartPose,
     Support,
     Unilateral,
     disc,
@@ -45,6 +47,14 @@ def test_pushed_cube_of_mu_one_slides_flat(method):
 
 
 @METHODS
+def test_thrown_cube_of_mu_one_slides_flat_to_rest(method):
+    case = Case(line(), CUBE, (*BOUNCE, CoulombFriction(1.0)), Start(0.0, xi2=0.05, slip=1.0), 1.0)
+    motion = reference.simulate(case, rtol=1e-12, method=method)
+    assert motion.status == "completed"
+    assert [change.time for change in motion.transitions] == pytest.approx([1.0 / G] * 2, abs=1e-14)
+
+
+@METHODS
 def test_a_plate_without_friction_lifts_off_where_its_load_is_its_weight(method):
     """g (1 + 1e-9) − 100 (t − 1/2)² = g at t = 1/2 − √(1e-11 g); it once ended as Painlevé's paradox."""
     case = nearly_lifted(1e-9)
@@ -66,6 +76,32 @@ def test_disc_that_rolls_into_a_wall_goes_up_it(method):
     track = [(change.after, change.time) for change in motion.of("plate/track").transitions][:3]
     assert [mode for mode, _ in track] == [Mode.ROLL, Mode.FLIGHT, Mode.SLIP_BACKWARD]
     assert [time for _, time in track] == pytest.approx([rolls, hits, lands], abs=1e-13)
+
+
+# Flank angles, their coefficients of friction, the speed of the first flank's belt and when it turns back (s).
+GROOVES = [
+    (0.8, 0.8, 0.3, 0.1, "cos(5*t)", (np.pi / 10, 3 * np.pi / 10)),
+    (0.5, 0.7063807239032265, 0.3, 0.3, "cos(5*t)", (np.pi / 10, 3 * np.pi / 10)),
+    (0.5, 0.5, 0.1, 0.1, "sin(6*t)", (np.pi / 6,)),
+    (0.6, 0.9927917158950521, 0.2, 0.3, "0.3*sin(4*t)", (np.pi / 4,)),
+    (0.6, 0.6, 0.3, 0.3, "0.5 - t", (0.5,)),
+]
+
+
+@METHODS
+@pytest.mark.parametrize("groove", GROOVES, ids=str)
+def test_belt_that_turns_back_under_a_disc_in_a_groove(groove, method):
+    """The disc keeps its place, and its slip changes sign at the belt's own zeros."""
+    first, second, mu, other, speed, turns = groove
+    x, y = np.linalg.solve([[sin(first), cos(first)], [-sin(second), cos(second)]], [0.1, 0.1]).tolist()
+    flank = Support(line(-second), "flank", (CoulombFriction(other),))
+    effects = (*BOUNCE, CoulombFriction(mu), Belt(speed))
+    case = Case(line(first), disc(0.1, 1.0), effects, StartPose(x, y), 1.0, supports=(flank,))
+    motion = reference.simulate(case, rtol=1e-12, method=method)
+    assert motion.status == "completed"
+    assert abs(motion.x[-1] - x) + abs(motion.y[-1] - y) < 1e-13
+    times = np.array([change.time for change in motion.transitions])
+    assert all(np.abs(times - turn).min() < 1e-12 for turn in turns)
 
 
 def check(seed: int, method: str = "dop853") -> None:
