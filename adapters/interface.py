@@ -49,25 +49,14 @@ Optional:
                                                     of them, as "pymunk@6.11.1". Read from the source, not imported
     OUR_PARTS: dict[str, str]                       by route, what of it is not the engine's own, in a phrase; such a
                                                     route is not ranked. Routes called assisted and integrator have one
-    CORNERS: tuple[str, ...]                        the routes whose shapes have the corners of a track or an outline;
-                                                    without a declaration, `refusal` rejects curves with corners
-    SLIP_LAWS: tuple[str, ...]                      the routes that support a friction coefficient that depends on the
-                                                    slip velocity (`CoulombFriction.by_speed`); without a declaration,
-                                                    `refusal` rejects such a case before `refuses` is called
-    SEVERAL_CONTACTS: tuple[str, ...]               the routes that report each contact of a plate that touches its
-                                                    track in several places; others are not run on such motions
+    CAPABILITIES: dict[str, tuple[str, ...]]        by route, what it supports beyond a smooth plate on a smooth track
+                                                    with constant coefficients, in words of `WORDS`; `refusal` rejects
+                                                    what a route lacks before `refuses` is called. (Up to version 0.2
+                                                    each word was a tuple of routes of its own, such as SLIP_LAWS; both
+                                                    forms are read)
     refuses_several_contacts(case, route) -> str | None
-                                                    why such a route does not report the contacts of this case, in one
-                                                    sentence, or None
-    EVERY_SCENE: tuple[str, ...]                    the routes that support whatever a case may have: what follows
-    SEVERAL_PLATES: tuple[str, ...]                 the routes that support further plates (`Case.others`);
-    FREE_POLYGONS: tuple[str, ...]                  those of them that support a polygon among the plates
-    SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
-                                                    without a declaration, `refusal` rejects such a case
-    BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
-    FIXED_ROTATION_AND_SUPPORTS: tuple[str, ...]    those of them that support plates that do not turn as well
-    DRIVEN_CONTACTS: tuple[str, ...]                the routes that support a driven track (`Drive`) with corners, with
-                                                    supports that move with it, or with several contacts
+                                                    why a route that has "several contacts" does not report those of
+                                                    this case, in one sentence, or None
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -95,6 +84,27 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 
 # Name of the first rung of a ladder: `Setting.of(rung=DEFAULTS, …)`.
 DEFAULTS = "defaults"
+
+# What a route may support, as words of CAPABILITIES.
+WORDS = {
+    "slip laws": "a friction coefficient that depends on the slip velocity (`CoulombFriction.by_speed`)",
+    "corners": "the corners of a track or an outline",
+    "several contacts": "it reports each contact of a plate that touches its track in several places",
+    "several plates": "further plates (`Case.others`)",
+    "free polygons": "a polygon among several plates",
+    "supports": "further fixed curves (`Case.supports`)",
+    "belts and supports": "belts as well as supports",
+    "fixed rotation and supports": "plates that do not turn as well as supports",
+    "driven contacts": "a driven track (`Drive`) with corners, with supports that move with it, or several contacts",
+    "every scene": "whatever a case may have",
+}
+
+
+def has(adapter: Any, route: str, word: str) -> bool:
+    """Whether a route of an adapter has a word of `WORDS`."""
+    own = getattr(adapter, word.upper().replace(" ", "_"), ())
+    return route in own or word in getattr(adapter, "CAPABILITIES", {}).get(route, ())
+
 
 # The functions of an adapter, with the optional ones.
 FUNCTIONS = {
@@ -152,16 +162,16 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
-    has_every = route in getattr(adapter, "EVERY_SCENE", ())
-    for is_there, declaration, what in _needs(case):
-        if is_there and not has_every and route not in getattr(adapter, declaration, ()):
+    has_every = has(adapter, route, "every scene")
+    for is_there, word, what in _needs(case):
+        if is_there and not has_every and not has(adapter, route, word):
             return f"The {route} route does not support {what}."
     return adapter.refuses(case, route)
 
 
 def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
-    """What a route has to declare: whether the case has it, the attribute with the routes that support it ("none": no
-    route does), and what it is, in a phrase."""
+    """What a route has to declare: whether the case has it, the word for it ("none": no route has it), and what it is,
+    in a phrase."""
     from cases import Drive, Impact
     from cases.own_effects import own_effects
     from cases.scene.free_plates import loads_of, plates_of, why_not_closed_forms
@@ -172,11 +182,11 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
     several, supports, impact = bool(case.others), bool(case.supports), case.effect(Impact)
     drives, belts, packaged = case.effect(Drive) is not None, has_belt(case), bool(own_effects(case.effects))
     yield case.pairs, "none", "effects of a pair of bodies (pairs)"
-    yield has_slip_law(case), "SLIP_LAWS", "friction that depends on the slip velocity"
+    yield has_slip_law(case), "slip laws", "friction that depends on the slip velocity"
     if several:
-        yield True, "SEVERAL_PLATES", "several plates (others)"
+        yield True, "several plates", "several plates (others)"
         polygons = any(plate.radius is None for plate in plates_of(case))
-        yield polygons, "FREE_POLYGONS", "several plates unless all of them are discs"
+        yield polygons, "free polygons", "several plates unless all of them are discs"
         reason = why_not_closed_forms(case)
         yield reason, "none", f"several plates but discs and one convex polygon on straight lines: {reason}"
         yield any(loads_of(case)), "none", "a load with several plates"
@@ -188,32 +198,32 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
         yield impact is None, "none", "contacts without Impact with several plates"
     if supports:
         yield packaged, "none", "an effect of a package with several fixed curves (supports)"
-        yield True, "SUPPORTS", "several fixed curves (supports)"
+        yield True, "supports", "several fixed curves (supports)"
         newton = impact is not None and impact.law == "newton" and belts
         no_form = not several and (limit(case, Scope.SHAPES) or newton)
         yield no_form, "none", "this pair of outline and support: their contacts have no closed form"
         held = not case.plate.turns
-        yield held, "FIXED_ROTATION_AND_SUPPORTS", "a plate that does not turn on several fixed curves (supports)"
-        yield belts, "BELTS_AND_SUPPORTS", "belts together with several fixed curves (supports)"
+        yield held, "fixed rotation and supports", "a plate that does not turn on several fixed curves (supports)"
+        yield belts, "belts and supports", "belts together with several fixed curves (supports)"
         # A support may resist rolling where the track does not, and contacts are read without a couple of their own.
         yield has_rolling_resistance(case), "none", "rolling resistance on several fixed curves (supports)"
     # In the frame of the track it turns, which no engine's plate of fixed rotation does.
     yield has_spinning_plate(case), "none", "a plate of infinite inertia on a track that turns"
-    yield has_pieces(case), "CORNERS", "curves with corners"
+    yield has_pieces(case), "corners", "curves with corners"
     with_several = drives and (has_pieces(case) or supports)
-    yield with_several, "DRIVEN_CONTACTS", "a driven track together with corners or supports"
+    yield with_several, "driven contacts", "a driven track together with corners or supports"
 
 
 def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
     """Why a route does not report the contacts of a plate that touches its track in several places, in one sentence, or
-    "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
+    "": by its `CAPABILITIES`, then by the adapter's own `refuses_several_contacts`."""
     from cases import Drive
     from cases.own_effects import own_effects
     from cases.scene.supports import has_rolling_resistance
 
-    if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
+    if not has(adapter, route, "several contacts"):
         return f"The plate touches its track in several places, which the {route} route does not support."
-    if case.effect(Drive) is not None and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
+    if case.effect(Drive) is not None and not has(adapter, route, "driven contacts"):
         return f"The plate touches its driven track in several places, which the {route} route does not support."
     if has_rolling_resistance(case):
         return f"The {route} route does not report several contacts with rolling resistance."

@@ -72,7 +72,9 @@ class BundledEngine(Engine):
     def __init__(self, path: Path):
         super().__init__(path)
         self._version = version_of(self.path)
-        self.CORNERS = self.routes if self.NAME in WITH_CORNERS else ()
+        if self.NAME not in WITH_CORNERS:
+            words = Engine.CAPABILITIES["process"]
+            self.CAPABILITIES = {"process": tuple(word for word in words if word != "corners")}
 
     @staticmethod
     def runs(path: Path) -> bool:

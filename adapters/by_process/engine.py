@@ -56,13 +56,12 @@ class Engine:
     routes = ("process",)
     TELLS_COST = True
     # An executable decides when it sees the scene.
-    SLIP_LAWS = routes
-    SEVERAL_CONTACTS = routes
-    SUPPORTS = routes
-    BELTS_AND_SUPPORTS = routes
-    DRIVEN_CONTACTS = routes
-    SEVERAL_PLATES = FREE_POLYGONS = routes
-    CORNERS: tuple[str, ...] = routes
+    CAPABILITIES: dict[str, tuple[str, ...]] = {
+        "process": (
+            "slip laws", "corners", "several contacts", "supports", "belts and supports", "driven contacts",
+            "several plates", "free polygons",
+        )
+    }  # fmt: skip
 
     def __init__(self, path: Path):
         if not self.runs(path):

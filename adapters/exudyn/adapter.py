@@ -63,9 +63,8 @@ from .reader import ExudynModel, read
 from .system import scales
 
 __all__ = [
-    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "FIXED_ROTATION_AND_SUPPORTS", "MEANINGS", "NAME",
-    "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "build", "default_grid", "grid", "ladder",
-    "read", "refuses", "refuses_several_contacts", "routes", "run", "version", "wide_grid",
+    "CAPABILITIES", "MEANINGS", "NAME", "build", "default_grid", "grid", "ladder", "read", "refuses",
+    "refuses_several_contacts", "routes", "run", "version", "wide_grid",
 ]  # fmt: skip
 
 NAME = "exudyn"
@@ -75,15 +74,13 @@ KNOWN = "exudyn>=1.7"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
-# Routes with a coefficient that may depend on the slip velocity.
-SLIP_LAWS = ("native", "integrator")
-
-# Routes that have further fixed curves, and report each contact with them.
-SUPPORTS = SEVERAL_CONTACTS = BELTS_AND_SUPPORTS = FIXED_ROTATION_AND_SUPPORTS = DRIVEN_CONTACTS = ("native",)
-# Routes that have the corners of a plate.
-CORNERS = ("native",)
-# Routes that have several plates.
-SEVERAL_PLATES = ("native",)
+CAPABILITIES = {
+    "native": (
+        "slip laws", "corners", "several contacts", "supports", "belts and supports",
+        "fixed rotation and supports", "driven contacts", "several plates",
+    ),
+    "integrator": ("slip laws",),
+}  # fmt: skip
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, and few enough for a
 # thousand trajectories in memory.

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pymunk
 
+import adapters.pymunk as adapter
 import cases
-from adapters.pymunk import adapter, older_versions
+from adapters.pymunk import older_versions
 
 CASE = "disc_in_circle"
 

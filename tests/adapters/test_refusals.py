@@ -12,6 +12,7 @@ import pytest
 
 import cases
 from adapters import Refusal, refusal, refusal_kind, refusal_of_several_contacts
+from adapters.interface import has
 from adapters.lookup import engine
 from cases import (
     Belt,
@@ -152,7 +153,7 @@ def test_neighbours_of_refused_scenes_are_accepted():
 
 def test_a_driven_track_with_corners_needs_a_declaration():
     pymunk, case = engine("pymunk"), cases.load("box_on_shaken_table")
-    without = SimpleNamespace(**{name: getattr(pymunk, name) for name in ("CORNERS", "refuses")})
+    without = SimpleNamespace(CAPABILITIES={"native": ("corners",)}, refuses=pymunk.refuses)
     why = "The native route does not support a driven track together with corners or supports."
     assert refusal(without, case, "native") == why
 
@@ -163,7 +164,7 @@ def test_an_effect_that_nobody_modelled_is_refused_by_its_name_and_corners_by_th
         pass
 
     assert "Magnetism" in engine(name).refuses(SimpleNamespace(effects=(G, Magnetism())), route)
-    if route not in getattr(engine(name), "CORNERS", ()):
+    if not has(engine(name), route, "corners"):
         assert "corners" in (refusal(engine(name), ROCKS, route) or "")
         assert "corners" in (refusal(engine(name), SCENES["disc over an edge"](), route) or "")
 

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
+import adapters.pymunk as adapter
 import cases
 from adapters import Setting
-from adapters.pymunk import adapter
 from reports.running.timing import time_breakdown
 from reports.running.timing.clock import Contestant
 
