@@ -53,7 +53,7 @@ from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from cases.scene.free_plates import plates_of
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps
+from ..common import driven_tracks, facets, feature_contacts, half_steps, several_contacts
 from ..common.impacts import has_friction, not_moreaus, plates_touch
 from ..common.starts import starts_of
 from ..interface import Meaning, Refusal, Setting
@@ -186,7 +186,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else feature_contacts.refuses_several(case)
+    return None if case.others else several_contacts.refuses(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:

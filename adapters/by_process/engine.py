@@ -18,7 +18,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Chain, Cost, Drive, NotSupported, Trajectory
 
-from ..common import feature_contacts, motion_file, motion_table, supervision
+from ..common import feature_contacts, motion_file, motion_table, several_contacts, supervision
 from ..common.facets import is_convex
 from ..interface import EngineFailure, Setting
 from .scene_file import FACETS, SAMPLES, as_json, scene
@@ -96,7 +96,7 @@ class Engine:
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
         """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
-        return None if case.others else feature_contacts.refuses_several(case)
+        return None if case.others else several_contacts.refuses(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

@@ -20,13 +20,11 @@ from cases.contact.polygon_features import local_centre, places_in_regions
 from cases.curves.corner import Corner, Edge, turning
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.sampled_contacts import SampledPlates
-from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_names import FIRST, contact_name
 from cases.scene.contact_pairs import PairCase, pairs
 from cases.scene.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of
 from cases.scene.supports import is_straight
 
-from . import several_contacts
 from .closed_samples import by_gap, from_first_to_last, ranges, touching
 from .pose_contact import ROUNDING, PoseContact, cone_slope, forces_of, pushing, with_columns
 
@@ -47,11 +45,6 @@ def refuses(case: Case, with_curves: bool = False) -> str | None:
         if pair.arc_range is not None:
             return "An arc ends at a corner or bends beyond the plate's hull, which contacts from poses do not support."
     return None
-
-
-def refuses_several(case: Case) -> str | None:
-    """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
-    return refuses(case, True) if touches_by_features(case) else several_contacts.supports(case)
 
 
 def _refuses_curve(pair: PairCase, with_curves: bool) -> str | None:
@@ -112,7 +105,7 @@ def with_contacts(
     only.
     """
     plates = plates_of(case)
-    poses, rates = _poses_and_rates(motion)
+    poses, rates = poses_and_rates(motion)
     every = _contacts(case, motion.t, poses, rates, slip_lever)
     some = [one for one in every if (one.gap <= clear).any()]
     if not some and not case.others:
@@ -135,7 +128,7 @@ def with_contacts(
     return with_columns(motion, some, closed, forces)
 
 
-def _poses_and_rates(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+def poses_and_rates(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """(x, y, θ) and (vx, vy, ω) of all plates of a sampled motion, shape (n, plates, 3)."""
     own = [motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega]
     each = [motion.plate_columns(name, None)[:6] for name in motion.plate_names] if motion.plate_columns else [own]
@@ -145,7 +138,7 @@ def _poses_and_rates(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
 
 def rounding_of(case: Case, motion: Trajectory) -> float:
     """The gap (m) that rounding may leave at a closed contact of a motion."""
-    poses, _ = _poses_and_rates(motion)
+    poses, _ = poses_and_rates(motion)
     return ROUNDING * (
         max(plate.reach for plate in plates_of(case)) + float(np.max(np.hypot(poses[..., 0], poses[..., 1])))
     )
@@ -176,10 +169,11 @@ def _contacts(case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, s
     """All contacts that the plates of a case may have, along a motion; of one plate named by their supports."""
     if case.others:
         return [_of_plates(case, contact, poses, rates, slip_lever) for contact in plate_contacts(case)]
-    return [_of_pair(pair, t, poses, rates, slip_lever) for pair in pairs(case)]
+    return [of_pair(pair, t, poses, rates, slip_lever) for pair in pairs(case)]
 
 
-def _of_pair(pair: PairCase, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, slip_lever: float) -> PoseContact:
+def of_pair(pair: PairCase, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, slip_lever: float) -> PoseContact:
+    """The contact of a pair of a support and a feature along a motion."""
     feature, theta = pair.plate.outline, poses[:, 0, 2]
     circle = None if isinstance(feature, Corner) else as_circle(feature)
     if circle:
@@ -192,7 +186,8 @@ def _of_pair(pair: PairCase, t: np.ndarray, poses: np.ndarray, rates: np.ndarray
     xi1, away, tangent = (_on_line if is_straight(pair.track) else _on_curve)(pair.track, centre)
     radius = circle.radius if circle else 0.0
     gap, normal = away - radius, np.array([-tangent[1], tangent[0]])
-    arm = centre - poses[:, 0, :2].T - normal * (radius + slip_lever * gap)
+    overlap = np.where(np.isfinite(gap), gap, 0.0)  # infinite next to an end
+    arm = centre - poses[:, 0, :2].T - normal * (radius + slip_lever * overlap)
     slip = np.sum(tangent * _velocity(rates[:, 0], arm), axis=0) - belt_speed(pair, t)
     xi2 = _outline_parameter(pair, tangent, theta)
     return PoseContact(
@@ -295,22 +290,30 @@ def _on_line(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def _on_curve(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The same for a curve, by Newton's method from the nearest sample; next to an end the distance is infinite."""
+    """The same for a curve, from the nearest sample; next to an end the distance is infinite."""
     parameters = np.linspace(*track.span, TRACK_SAMPLES)
     near = cKDTree(track.point(parameters).T).query(place.T)[1]
-    xi1 = start = parameters[near]
-    width = parameters[1] - parameters[0]
-    for _ in range(FOOT_STEPS):
-        x, y, xp, yp, xs, ys, *_ = track.jets(xi1)
-        dx, dy = place[0] - x, place[1] - y
-        slope = dx * xs + dy * ys - xp * xp - yp * yp
-        step = np.divide(dx * xp + dy * yp, slope, out=np.zeros_like(slope), where=slope < 0.0)
-        xi1 = np.clip(xi1 - step, start - width, start + width)
+    xi1 = feet(track, place, parameters[near], parameters[1] - parameters[0])
     tangent, off = track.tangent(xi1), place - track.point(xi1)
     away = tangent[0] * off[1] - tangent[1] * off[0]
     if track.domain is not None and not track.period:
         away = np.where((xi1 > track.domain[0]) & (xi1 < track.domain[1]), away, np.inf)
     return xi1, away, tangent
+
+
+def feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np.ndarray:
+    """The parameters (n,) of the points of a curve nearest to places (2, n), by Newton's method from the nearest of
+    samples that are `width` apart."""
+    xi1 = start
+    for _ in range(FOOT_STEPS):
+        off = place - track.point(xi1)
+        along = np.sum(off * track.tangent(xi1), axis=0)
+        with np.errstate(invalid="ignore"):  # at a corner the curvature is infinite, and the speed is 0
+            bend = 1.0 - track.curvature(xi1) * np.sum(off * track.normal(xi1), axis=0)
+            rate = np.where(bend > 0.0, bend, 1.0) * track.speed(xi1)
+        step = np.divide(along, rate, out=np.zeros_like(along), where=(rate > 0.0) & np.isfinite(rate))
+        xi1 = np.clip(xi1 + np.clip(step, -width, width), start - width, start + width)
+    return xi1
 
 
 def _outline_parameter(pair: PairCase, tangent: np.ndarray, theta: np.ndarray) -> np.ndarray:

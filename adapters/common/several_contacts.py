@@ -1,7 +1,7 @@
-"""Contacts of a disc that touches its track in several places, from the poses of a motion alone.
+"""Contacts of a plate that touches its track in several places, from the poses of a motion alone.
 
-Engines report a pose and velocities at each step; which places of the track the disc touches follows from the case's
-geometry. A contact is a place where the track's distance from the disc's centre is smallest. It is closed while the gap
+Engines report a pose and velocities at each step; which places of the track the plate touches follows from the case's
+geometry. A contact is a place where the distance between track and plate is smallest. It is closed while the gap
 is below what the engine's step and facets leave. Lengths in metres.
 """
 
@@ -12,13 +12,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases import Case, Chain, Trajectory
+from cases import Case, Chain, Flight, Trajectory
 from cases.contact import pose, slip_velocity
-from cases.curves.line_or_circle import Circle
+from cases.contact.nearest import contacts
+from cases.curves.corner import Corner
 from cases.motion.trajectory import CONTACT
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import pairs
+from cases.scene.supports import is_hill
 
+from . import feature_contacts
 from .closed_samples import by_gap
 from .facets import round_plate, visible_span
+from .feature_contacts import feet, of_pair, poses_and_rates
 from .pose_contact import PoseContact, cone_slope, with_columns
 
 # Samples of the track within the disc's radius: two places that are closer than two of them are one.
@@ -27,35 +33,45 @@ _PER_RADIUS = 40
 _MOST_SAMPLES, _MOST_DISTANCES = 20_000, 10_000_000
 # Places that are farther from the disc than this part of its radius do not matter.
 _NEAR = 0.2
-# Steps of Newton's method from the nearest sample: it squares an error of 1/40 of the radius in each.
+# Steps of Newton's method for a parameter: each squares the error.
 _NEWTON = 6
 
 
 @dataclass(frozen=True)
 class _Place:
-    """A place of the track over the samples, arrays (n,): its parameter, and the gap; NaN where it is not near."""
+    """A place of the track over the samples, arrays (n,): both parameters, and the gap; NaN where it is not near."""
 
     xi1: np.ndarray
+    xi2: np.ndarray
     gap: np.ndarray
+
+
+def refuses(case: Case) -> str | None:
+    """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
+    return feature_contacts.refuses(case, True) if touches_by_features(case) else supports(case)
 
 
 def supports(case: Case) -> str | None:
     """Why the contacts of such a case cannot be distinguished here, in one sentence, or None."""
-    if round_plate(case) is None:
-        return "Several contacts are computed for round plates only."
-    if isinstance(case.track, Chain):
-        return "Several contacts are computed on smooth tracks only."
+    if round_plate(case) is None and not _has_corners(case):
+        return "Several contacts are computed for round plates only, and for curves with corners."
     return None
 
 
-def may_touch_twice(case: Case) -> bool:
-    """Whether a disc may touch the track in two places at once, as far as this module supports it.
+def _has_corners(case: Case) -> bool:
+    return isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain)
 
-    Between two such places the track bends more than the disc: its arc has the same ends and tangents as the disc's and
-    is outside of it, so its curvature is at least 1/r somewhere.
+
+def may_touch_twice(case: Case) -> bool:
+    """Whether a plate may touch the track in two places at once, as far as this module supports it.
+
+    Between two places that a disc touches the track bends more than the disc: its arc has the same ends and tangents as
+    the disc's and is outside of it, so its curvature is at least 1/r somewhere.
     """
+    if _has_corners(case):
+        return case.effect(Flight) is not None and not is_hill(case.track)
     circle = round_plate(case)
-    if circle is None or supports(case) is not None:
+    if circle is None:
         return False
     bend = case.track.curvature(np.linspace(*visible_span(case), 2001))
     return bool(np.max(bend) * circle.radius >= 1.0)
@@ -64,7 +80,7 @@ def may_touch_twice(case: Case) -> bool:
 def with_contacts(
     case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray], rounding: float | None = None
 ) -> Trajectory:
-    """The motion with the columns of each contact, if its disc touches the track in more than one place; else the
+    """The motion with the columns of each contact, if its plate touches the track in more than one place; else the
     motion as it is.
 
     `clear`: of contact parameters (n,), the gaps (m) below which such contacts are closed; with `rounding` (m) one that
@@ -77,14 +93,14 @@ def with_contacts(
     places = _places(case, motion, clear)
     if len(places) < 2:
         return motion
-    contacts = [_contact(case, motion, *each) for each in places.items()]
+    every = [_contact(case, motion, *each) for each in places.items()]
     closed = [place.gap <= clear(place.xi1) for place in places.values()]
     if rounding is not None:
-        closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(contacts, closed, strict=True)]
+        closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(every, closed, strict=True)]
     alone = np.where(np.sum(closed, axis=0) == 1, 1.0, np.nan)
     force = alone * _force(case, motion)
-    forces = [np.array([np.sum(force * axis, axis=0) for axis in (one.normal, one.tangent)]) for one in contacts]
-    return with_columns(motion, contacts, closed, forces)
+    forces = [np.array([np.sum(force * axis, axis=0) for axis in (one.normal, one.tangent)]) for one in every]
+    return with_columns(motion, every, closed, forces)
 
 
 def _force(case: Case, motion: Trajectory) -> np.ndarray:
@@ -100,7 +116,7 @@ def _contact(case: Case, motion: Trajectory, name: str, place: _Place) -> PoseCo
     arm = case.track.point(xi1) - np.array([motion.x, motion.y])
     return PoseContact(
         name, 0, None, cone_slope(case.effect), place.gap, slip, case.track.tangent(xi1), case.track.normal(xi1),
-        np.where(near, xi1, np.nan), np.where(near, _outline_parameter(case, xi1, motion.theta), np.nan),
+        np.where(near, xi1, np.nan), np.where(near, place.xi2, np.nan),
         arm, np.zeros_like(arm),
     )  # fmt: skip
 
@@ -119,30 +135,30 @@ def _outline_parameter(case: Case, xi1: np.ndarray, theta: np.ndarray) -> np.nda
 
 
 def _places(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray]) -> dict[str, _Place]:
-    """The places that the disc touches at some time, named in the order in which it first does."""
-    circle = round_plate(case)
-    assert circle is not None, "checked by supports()"
-    sample, xi1, gap = _nearest_places(case, circle, motion)
+    """The places that the plate touches at some time, named in the order in which it first does."""
+    sample, *values = (_of_corners if _has_corners(case) else _of_disc)(case, motion)
+    xi1, _, gap = values
     is_closed = gap <= clear(xi1)
-    # Within half the radius a place is the same as in the sample before.
-    reach = 0.5 * circle.radius / float(case.track.speed(case.start.xi1))
+    # Within half the radius a place is the same as in the sample before. A chain's parameter is its length, but at a
+    # corner, where the speed is 0.
+    reach = 0.5 * case.plate.inner / (float(case.track.speed(case.start.xi1)) or 1.0)
     places = list[_Place]()
     forward = np.lexsort((np.abs(gap), sample)).tolist()
-    _follow(places, forward, sample, xi1, gap, reach, lambda i: bool(is_closed[i]), len(motion.t))
+    _follow(places, forward, sample, values, reach, lambda i: bool(is_closed[i]), len(motion.t))
     # A place is known from where it is first touched on; the second call finds it before that, while it is near.
-    _follow(places, forward[::-1], sample, xi1, gap, reach, lambda i: False, len(motion.t))
+    _follow(places, forward[::-1], sample, values, reach, lambda i: False, len(motion.t))
     names = [CONTACT, *(f"{CONTACT} {number}" for number in range(2, len(places) + 1))]
     return dict(zip(names, places, strict=False))
 
 
 def _follow(
-    places: list[_Place], order: list[int], sample: np.ndarray, xi1: np.ndarray, gap: np.ndarray, reach: float,
+    places: list[_Place], order: list[int], sample: np.ndarray, values: list[np.ndarray], reach: float,
     is_new: Callable[[int], bool], count: int,
 ) -> None:  # fmt: skip
     """Write each of the places `order` into the nearest one of `places` that has none in its sample, or a new one."""
     last = [float(place.xi1[np.isfinite(place.xi1)][0]) for place in places]
     for i in order:
-        at, here = int(sample[i]), float(xi1[i])
+        at, (here, there, gap) = int(sample[i]), (float(column[i]) for column in values)
         free = [k for k, place in enumerate(places) if not np.isfinite(place.xi1[at])]
         nearest = min(free, key=lambda k: abs(last[k] - here), default=None)
         own = next((k for k, place in enumerate(places) if place.xi1[at] == here), None)
@@ -153,14 +169,45 @@ def _follow(
             if not is_new(i):
                 continue
             nearest = len(places)
-            places.append(_Place(np.full(count, np.nan), np.full(count, np.nan)))
+            places.append(_Place(*np.full((3, count), np.nan)))
             last.append(here)
-        places[nearest].xi1[at], places[nearest].gap[at] = here, gap[i]
+        place = places[nearest]
+        place.xi1[at], place.xi2[at], place.gap[at] = here, there, gap
         last[nearest] = here
 
 
-def _nearest_places(case: Case, circle: Circle, motion: Trajectory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All places near the disc: the sample that they belong to, the track's parameter and the gap, arrays (m,)."""
+def _of_corners(case: Case, motion: Trajectory) -> list[np.ndarray]:
+    """All places near a plate with corners, or on a track with corners: the sample that they belong to, both parameters
+    and the gap, arrays (m,). A corner at the end of a side that lies flat is one, however the side is tilted."""
+    poses, rates = poses_and_rates(motion)
+    rows = [
+        (sample, *contact)
+        for sample, pose in enumerate(poses[:, 0].tolist())
+        for contact in contacts(case.track, case.plate.outline, *pose)
+    ]
+    corners = [pair for pair in pairs(case) if isinstance(pair.plate.outline, Corner)]
+    every = [np.reshape(rows, (-1, 4)).T]
+    for one in (of_pair(pair, motion.t, poses, rates, 0.0) for pair in corners):
+        every.append(np.array([np.arange(len(motion.t)), one.xi1, one.xi2, one.gap]))
+    table = np.hstack(every)
+    table = table[:, np.abs(table[3]) <= _NEAR * case.plate.inner]
+    table = table[:, np.lexsort((np.abs(table[3]), table[0]))]
+    # Two elements that meet at a seam have one place there.
+    places, kept = case.track.point(table[1]).T, dict[float, list[np.ndarray]]()
+    alone = np.zeros(len(places), dtype=bool)
+    for number, (sample, place) in enumerate(zip(table[0].tolist(), places, strict=True)):
+        others = kept.setdefault(sample, [])
+        alone[number] = all(np.hypot(*(place - other)) > 2.0 * case.plate.inner / _PER_RADIUS for other in others)
+        if alone[number]:
+            others.append(place)
+    sample, *values = table[:, alone]
+    return [sample.astype(int), *values]
+
+
+def _of_disc(case: Case, motion: Trajectory) -> list[np.ndarray]:
+    """The same of a disc on a smooth track."""
+    circle = round_plate(case)
+    assert circle is not None, "checked by supports()"
     c, s = np.cos(motion.theta), np.sin(motion.theta)
     own_x, own_y = float(circle.centre[0]), float(circle.centre[1])
     centre = np.array([motion.x + c * own_x - s * own_y, motion.y + s * own_x + c * own_y])
@@ -180,12 +227,7 @@ def _nearest_places(case: Case, circle: Circle, motion: Trajectory) -> tuple[np.
         samples.append(begin + row)
         starts.append(grid[column + 1])
     sample, start = np.concatenate(samples), np.concatenate(starts)
-    xi1, there = start.copy(), centre[:, sample]
-    for _ in range(_NEWTON):
-        off = case.track.point(xi1) - there
-        along = np.sum(off * case.track.tangent(xi1), axis=0)
-        bend = 1.0 + case.track.curvature(xi1) * np.sum(off * case.track.normal(xi1), axis=0)
-        step = along / np.where(bend > 0.0, bend, 1.0) / case.track.speed(xi1)
-        xi1 = np.clip(xi1 - np.clip(step, -width, width), start - width, start + width)
+    there = centre[:, sample]
+    xi1 = feet(case.track, there, start, width)
     gap = np.sum((there - case.track.point(xi1)) * case.track.normal(xi1), axis=0) - circle.radius
-    return sample, xi1, gap
+    return [sample, xi1, _outline_parameter(case, xi1, motion.theta[sample]), gap]

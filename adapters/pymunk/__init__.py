@@ -35,7 +35,7 @@ from cases import (
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps
+from ..common import driven_tracks, facets, feature_contacts, half_steps, several_contacts
 from ..common.impacts import MOREAU, not_moreaus
 from ..interface import EngineFailure, Meaning, Refusal, Setting
 from . import assisted, native, older_versions
@@ -140,7 +140,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else feature_contacts.refuses_several(case)
+    return None if case.others else several_contacts.refuses(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
