@@ -42,7 +42,7 @@ OF_LIBRARIES = frozenset(
 STANDARD_TERMS = frozenset("left augmented assisted".split())
 # Functions called `run` are prescribed by an interface: of adapters, studies, pools of workers and commands.
 RUN_INTERFACES = re.compile(
-    r"adapters/\w+(/adapter|/engine)?\.py|reports/running/reference_adapter\.py|reports/studies/\w+(/study)?\.py|"
+    r"adapters/\w+(/__init__|/adapter|/engine)?\.py|reports/running/reference_adapter\.py|reports/studies/\w+(/study)?\.py|"
     r"adapters/processes/pool\.py|reports/running/cluster\.py|reports/(animate|export|show)\.py"
 )
 # Folders of one room that hold the same parts of different things: each engine, each study, each way to solve.
