@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -72,7 +71,8 @@ def claims_hold(motion: Trajectory) -> bool:
     signs = {Mode.ROLL: 0.0, Mode.REST: 0.0, Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
     phases = [p for p in phases_of(motion.first_mode, motion.transitions, end) if p.mode in signs]
     inside = [(motion.t > p.begin + least) & (motion.t < p.end - least) & np.isfinite(motion.slip) for p in phases]
-    rolls = np.abs(motion.slip[_any(motion, [i for p, i in zip(phases, inside, strict=True) if not signs[p.mode]])])
+    still = [i for p, i in zip(phases, inside, strict=True) if not signs[p.mode]]
+    rolls = np.abs(motion.slip[np.any(still, axis=0)]) if still else np.zeros(0)
     creep = float(np.quantile(rolls, 0.5)) if len(rolls) else 0.0
     largest = SURELY * max(creep, motion.slip_resolution, ROUNDING * float(np.hypot(motion.vx, motion.vy).max()))
     wrong = [
@@ -80,7 +80,3 @@ def claims_hold(motion: Trajectory) -> bool:
         for phase, i in zip(phases, inside, strict=True)
     ]
     return sum(int(samples.sum()) for samples in wrong) <= RESOLVABLE_GAPS
-
-
-def _any(motion: Trajectory, groups: Sequence[np.ndarray]) -> np.ndarray:
-    return np.logical_or.reduce(groups) if groups else np.zeros(len(motion.t), dtype=bool)

@@ -117,8 +117,8 @@ def rebounds(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> 
         stays = event.after is not Mode.FLIGHT
         if event.before is Mode.FLIGHT and len(before) and (stays or len(after)):
             i = int(before[-1])
-            closing = -_normal_speed(case, samples, i, i, event.time)
-            leaves = 0.0 if stays else _normal_speed(case, samples, int(after[0]), i, event.time)
+            closing = -normal_speed(case, samples, i, i, event.time)
+            leaves = 0.0 if stays else normal_speed(case, samples, int(after[0]), i, event.time)
             if closing > 0.0:
                 result.append(Rebound(event.time, closing, leaves / closing))
     return tuple(result)
@@ -133,7 +133,7 @@ def rebound_rows(own: Sequence[Rebound], true: Sequence[Rebound]) -> tuple[Impac
     )
 
 
-def _normal_speed(case: Case, samples: Trajectory, k: int, pose: int, time: float) -> float:
+def normal_speed(case: Case, samples: Trajectory, k: int, pose: int, time: float) -> float:
     """The velocity at a time, from sample k in flight, of the outline's point that is nearest to the track in sample
     `pose`, relative to the track along its normal there, m/s; 0 where no point of the track is near."""
     now = SimpleNamespace(**{name: getattr(samples, name)[k : k + 1] for name in ("t", *POSE)})

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from math import inf
 from typing import NamedTuple
 
@@ -59,22 +60,21 @@ def flights(phases: Sequence[ModePhase]) -> tuple[ModePhase, ...]:
 def rolling_within(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
     """The phases with slip replaced by rolling within the time spans."""
     slips = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
-    for span in spans:
-        rest = outside([p for p in phases if p.mode in slips], [span])
-        inside = [p._replace(begin=max(p.begin, span[0]), end=min(p.end, span[1])) for p in phases]
-        rolls = [p._replace(mode=Mode.ROLL) for p in inside if p.mode in slips and p.duration > 0.0]
-        phases = sorted((*(p for p in phases if p.mode not in slips), *rest, *rolls), key=lambda p: p.begin)
-    return _join(phases)
+    return _join(p._replace(mode=Mode.ROLL) if is_in and p.mode in slips else p for p, is_in in _pieces(phases, spans))
 
 
 def outside(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
     """The parts of the phases that are in none of the time spans."""
-    remaining = list(phases)
-    for begin, end in spans:
-        before = [p._replace(end=min(p.end, begin)) for p in remaining]
-        after = [p._replace(begin=max(p.begin, end)) for p in remaining]
-        remaining = sorted((p for p in (*before, *after) if p.duration > 0.0), key=lambda p: p.begin)
-    return tuple(remaining)
+    return tuple(piece for piece, is_in in _pieces(phases, spans) if not is_in)
+
+
+def _pieces(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> Iterator[tuple[ModePhase, bool]]:
+    """The phases cut at the ends of the spans, and whether each piece is within a span."""
+    for phase in phases:
+        cuts = sorted({time for span in spans for time in span if phase.begin < time < phase.end})
+        for begin, end in pairwise([phase.begin, *cuts, phase.end]):
+            middle = 0.5 * (begin + end)
+            yield phase._replace(begin=begin, end=end), any(low <= middle <= high for low, high in spans)
 
 
 def time_by_mode(phases: Sequence[ModePhase]) -> dict[Mode, float]:

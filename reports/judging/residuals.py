@@ -52,9 +52,8 @@ ROUNDING = 1e-12
 
 def examine(case: Case, motion: Trajectory) -> Residuals:
     """All residuals of a motion in contact."""
-    energy, energy_drift = _energy(case, motion)
-    gap, gap_drift = _gap(case, motion)
-    return Residuals(energy, energy_drift, gap, gap_drift, _tangency(case, motion))
+    off = energy_residual(case, motion)
+    return Residuals(float(np.abs(off).max()), _slope(motion.t, off), *_contact(case, motion))
 
 
 # --- energy -----------------------------------------------------------------------------------------------------------
@@ -90,11 +89,6 @@ def work_of_contact(case: Case, motion: Trajectory) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(0.5 * steps * (power @ weights))])
 
 
-def _energy(case: Case, motion: Trajectory) -> tuple[float, float]:
-    off = energy_residual(case, motion)
-    return float(np.abs(off).max()), _slope(motion.t, off)
-
-
 def _slope(t: np.ndarray, y: np.ndarray) -> float:
     """Least-squares rate of change of y; NaN where there is none."""
     if len(t) < 2 or t[-1] <= t[0] or not np.all(np.isfinite(y)):
@@ -112,29 +106,19 @@ def looks(motion: Trajectory) -> tuple[np.ndarray, State]:
     return motion.t[pick], states_of(motion, pick)
 
 
-def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:
-    """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and its slope."""
-    if case.effect(Drive) is not None:
-        return nan, nan
+def _contact(case: Case, motion: Trajectory) -> tuple[float, float, float]:
+    """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and the slope of that, m/s;
+    (6): the largest sine between both tangents. NaN without a contact, and on a driven track."""
     times, state = looks(motion)
-    if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
-        return nan, nan
-    (X, Y), (u, v) = case.track.point(np.asarray(state.xi1)), case.plate.outline.point(np.asarray(state.xi2))
+    xi1, xi2 = np.asarray(state.xi1), np.asarray(state.xi2)
+    if case.effect(Drive) is not None or not np.all(np.isfinite(xi1 + xi2)):
+        return nan, nan, nan
     c, s = np.cos(state.theta), np.sin(state.theta)
+    (X, Y), (u, v) = case.track.point(xi1), case.plate.outline.point(xi2)
     apart = np.hypot(state.x + c * u - s * v - X, state.y + s * u + c * v - Y)
-    return float(apart.max()) / case.plate.reach, _slope(times, apart)
-
-
-def _tangency(case: Case, motion: Trajectory) -> float:
-    if case.effect(Drive) is not None:
-        return nan
-    _, state = looks(motion)
-    if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
-        return nan
-    tx, ty = case.track.tangent(np.asarray(state.xi1))
-    ox, oy = case.plate.outline.tangent(np.asarray(state.xi2))
-    c, s = np.cos(state.theta), np.sin(state.theta)
-    return float(np.abs(tx * (s * ox + c * oy) - ty * (c * ox - s * oy)).max())
+    (tx, ty), (ox, oy) = case.track.tangent(xi1), case.plate.outline.tangent(xi2)
+    sine = np.abs(tx * (s * ox + c * oy) - ty * (c * ox - s * oy))
+    return float(apart.max()) / case.plate.reach, _slope(times, apart), float(sine.max())
 
 
 def motion_extent(case: Case, motion: Trajectory) -> float:

@@ -188,7 +188,7 @@ def _slip_scale(errors: Mapping[str, tuple[float, float]], nearest: str, least: 
     return large.get(nearest, min(large.values(), default=0.0))
 
 
-def _fastest_slip(motion: Trajectory) -> float:
+def _fastest_slip(motion: Trajectory | State) -> float:
     """The largest slip of a motion, m/s."""
     slip = np.abs(np.asarray(motion.slip))
     return float(np.max(slip, initial=0.0, where=np.isfinite(slip)))
@@ -206,8 +206,7 @@ def _hops(events: Sequence[Transition]) -> tuple[float, ...]:
 
 def _largest_slip(truth: Trajectory, phase: ModePhase) -> float:
     """The largest slip of the truth in a phase, m/s."""
-    slip = np.abs(np.asarray(truth(np.linspace(phase.begin, phase.end, 33)[1:-1]).slip))
-    return float(np.max(slip, initial=0.0, where=np.isfinite(slip)))
+    return _fastest_slip(truth(np.linspace(phase.begin, phase.end, 33)[1:-1]))
 
 
 def score(

@@ -18,13 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, CoulombFriction, Effect, Mode, PerfectlyRough, State, Trajectory, Transition
-from cases.contact.nearest import nearest
 from cases.effects import one as one_effect
 from cases.motion import mechanics
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.supports import has_rolling_resistance
 
 from . import slip_phases
+from .impacts import normal_speed
 from .slip_phases import Reading
 
 # An impact is listed if it closes with at least this part of the greatest closing speed since the plate last lay on its
@@ -231,22 +231,8 @@ class MotionReader:
             # Samples omitted between the two are in contact: an impact, with or without a jump.
             if j > i + 1 or self._jumps(i, j):
                 time, spread = self._meeting(i, j)
-                impacts.append(_Impact(time, spread, self._closing(i, j, time)))
+                impacts.append(_Impact(time, spread, -normal_speed(self.case, self.all, i, i, time)))
         return impacts
-
-    def _closing(self, i: int, j: int, time: float) -> float:
-        """The closing speed of the outline's nearest point at a time between samples i and j, m/s; the change of the
-        whole velocity if no point of the track is near."""
-        motion, free = self.all, np.nan_to_num(self._free)
-        after = motion.t[j] - time
-        before, later = self._rates[i] + (time - motion.t[i]) * free[i], self._rates[j] - after * free[j]
-        x, y = self._places[j] - after * later
-        contact = nearest(self.case, float(x), float(y), float(motion.theta[j] - after * motion.omega[j]))
-        if contact is None:
-            return float(np.hypot(*(later - before)))
-        (nx, ny), (X, Y) = self.case.track.normal(contact.xi1), self.case.track.point(contact.xi1)
-        omega = motion.omega[i]
-        return -float((before[0] - omega * (Y - y)) * nx + (before[1] + omega * (X - x)) * ny)
 
     def _jumps(self, i: int, j: int) -> bool:
         """Whether the velocity changes from sample i, in flight, to sample j by more than gravity and load do."""

@@ -129,6 +129,41 @@ def test_terminal_page_and_file_give_the_same_verdict(report):
     assert terminal.splitlines()[-1] == str(report / "index.html")
 
 
+def test_sentences_of_the_page_are_those_of_its_tables(report):
+    """Each number is read from a sentence and computed again from the files alone."""
+    page = re.sub(r"<(script|style|svg).*?</\1>", " ", (report / "index.html").read_text(), flags=re.DOTALL)
+    text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", page))).replace("\N{NO-BREAK SPACE}", " ")
+
+    def said(pattern: str) -> list[float]:
+        match = re.search(pattern, text)
+        assert match, pattern
+        return [float(one.replace(",", "").replace("One", "1")) for one in match.groups()]
+
+    runs, truth = read(report, "trajectories"), read(report, "truth")
+    cases, events = truth.drop_duplicates("case"), truth[truth.event > 0]
+    ranked = cases[cases.not_ranked.isna()]
+    engines = runs[(runs.solver != "reference") & runs.off.notna()]
+    assert said(r"(One|[\d,]+) scenes? in which a disc") == [len(ranked)]
+    assert said(r"([\d,]+) scenes? of rigid plates") == [len(cases)]
+    assert said(r"in ([\d,]+) motions of pymunk") == [len(engines)]
+    assert said(r"Of (\d+) transitions (\d+) are also proved") == [len(events), sum(events.certificate == "proved")]
+    usual = read(report, "headline").set_index(["solver", "route"]).default_off["pymunk", "native"]
+    assert said(r"pymunk needs .*? for 1 % \(([\d.]+) % with default") == [pytest.approx(100 * usual, rel=0.06)]
+    wrong = (1e-4 / ranked.friction_sensitivity).median()
+    assert said(r"1 % off is what μ wrong by ([\d.]+) % makes") == [pytest.approx(100 * wrong, rel=0.06)]
+    for name, file in tables(report).items():
+        assert said(rf"\b{name}: [^;]*?(?:; [^;]*?)?, ([\d,]+) rows") == [len(file) - 1], name
+    answers = read(report, "which_engine").query("cheaper.notna()")
+    assert len(answers) or "No case has times of both an engine and the reference within one level." in text
+    level = 0.01 if 0.01 in set(answers.level) else answers.level.max()
+    for row in answers[answers.level == level].itertuples():
+        times = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
+        what = "the first run takes" if row.runs == 1 else f"{row.runs:,} runs take"
+        for route, seconds in ((row.engine, row.engine_total_s), (row.reference, row.reference_total_s)):
+            value, unit = re.search(rf"{what} [^;]*?([\d.,]+) (s|ms|µs) with {route}", text).groups()
+            assert float(value.replace(",", "")) * times[unit] == pytest.approx(seconds, rel=0.06)
+
+
 def test_the_parts_of_an_engines_runs_are_in_the_table(report):
     output = read(report, "time_to_accuracy")
     rows = output[output.engine_s.notna() & (output.solver == "pymunk")]
