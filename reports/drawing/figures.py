@@ -252,12 +252,12 @@ def against_cost(
 ) -> Diagram | None:
     """Error against cost of every setting of a case, from coarse to fine; None without a point.
 
-    `points`: rows with solver, route, setting, `error` and `doubt`, and `work`, seconds of a whole call or the number
-    of steps. What is smaller than `floor` is an arrow at the edge.
+    `points`: rows with solver, route, setting, `absolute_error` and `doubt`, and `work`, seconds of a whole call or the
+    number of steps. What is smaller than `floor` is an arrow at the edge.
     """
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in points:
-        if row[work] > 0.0 and isfinite(row["error"]):
+        if row[work] > 0.0 and isfinite(row["absolute_error"]):
             groups.setdefault((row["solver"], row["route"]), []).append(row)
     if not groups:
         return None
@@ -269,10 +269,14 @@ def against_cost(
         hollow = frozenset(i for i, row in enumerate(rows) if str(row["setting"]).startswith("rung=defaults"))
         ladder = [row for i, row in enumerate(rows) if i not in hollow]
         name = f"{solver} {route}"
-        low, high = ([max(row["error"] + sign * row["doubt"], floor) for row in rows] for sign in (-1.0, 1.0))
-        tips = [f"{name}, {r['setting']}: {text(r['error'])} ± {text(r['doubt'])}, {cost(r[work])}" for r in rows]
-        line = [row[work] for row in ladder], [max(row["error"], floor) for row in ladder]
-        marks = [row[work] for row in rows], [row["error"] for row in rows]
+        pairs = [(row["absolute_error"], row["doubt"]) for row in rows]
+        low, high = ([max(error + sign * doubt, floor) for error, doubt in pairs] for sign in (-1.0, 1.0))
+        tips = [
+            f"{name}, {row['setting']}: {text(error)} ± {text(doubt)}, {cost(row[work])}"
+            for row, (error, doubt) in zip(rows, pairs, strict=True)
+        ]
+        line = [row[work] for row in ladder], [max(row["absolute_error"], floor) for row in ladder]
+        marks = [row[work] for row in rows], [error for error, _ in pairs]
         traces += [Trace(solver, route, *line, label=name)] if ladder else []
         label = "" if ladder else name
         traces.append(Trace(solver, route, *marks, False, True, low, high, hollow, tips=tips, label=label))
@@ -297,7 +301,7 @@ def against_steps(experiment: Experiment, case: Case) -> Diagram | None:
     runs = [run for run in experiment.runs if run.case == case.label and run.score and run.solver != REFERENCE]
     rows = [
         {"solver": run.solver, "route": run.route, "setting": run.setting, "steps": run.cost.steps,
-         "error": run.score.off, "doubt": run.score.doubt}
+         "absolute_error": run.score.off, "doubt": run.score.doubt}
         for run in runs if run.score
     ]  # fmt: skip
     return against_cost(case.label, rows, "steps")

@@ -107,8 +107,8 @@ def looks(motion: Trajectory) -> tuple[np.ndarray, State]:
 
 
 def _contact(case: Case, motion: Trajectory) -> tuple[float, float, float]:
-    """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and the slope of that, m/s;
-    (6): the largest sine between both tangents. NaN without a contact, and on a driven track."""
+    """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and its
+    slope, m/s; (6): the largest sine between both tangents. NaN without a contact, and on a driven track."""
     times, state = looks(motion)
     xi1, xi2 = np.asarray(state.xi1), np.asarray(state.xi2)
     if case.effect(Drive) is not None or not np.all(np.isfinite(xi1 + xi2)):

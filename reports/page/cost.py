@@ -52,8 +52,7 @@ def _charts(case: str, points: Sequence[dict[str, Any]], looks: LineStyles) -> l
     """Off and the error of the first transition against the time of every setting of a case."""
     charts = []
     for quantity in ("off", "first_transition_time"):
-        own = [row for row in points if (row["case"], row["quantity"]) == (case, quantity)]
-        rows = [row | {"error": row["absolute_error"]} for row in own]
+        rows = [row for row in points if (row["case"], row["quantity"]) == (case, quantity)]
         floor = max([LEAST_OFF if quantity == "off" else 0.0, *(row["floor_error"] for row in rows)])
         chart = figure_of(against_cost(case, rows, quantity=quantity, floor=floor), looks, 300.0)
         charts += [chart] if chart else []

@@ -69,8 +69,7 @@ def _chart(
 ) -> dict[str, Any] | None:
     """Off against cost of every setting of a case, or against steps where nothing was timed; says how many settings
     were not timed."""
-    own = [row for row in timings if (row["case"], row["quantity"]) == (label, "off")]
-    rows = [{**row, "error": row["absolute_error"]} for row in own]
+    rows = [row for row in timings if (row["case"], row["quantity"]) == (label, "off")]
     if not any(isfinite(row["call_s"]) for row in rows):
         case = next((case for case in experiment.cases if case.label == label), None)
         return figure_of(figures.against_steps(experiment, case) if case else None, looks, 300.0)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 import subprocess
 import sys
-import tarfile
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,7 +26,7 @@ PACKAGES, VERSIONS = FOLDER / "packages.json", FOLDER / "vendored.json"
 def update(latest: bool = False) -> list[dict[str, Any]]:
     """Fetch every package in its listed or latest version and write its files; returns what was written.
 
-    Raises OSError if npm is missing, CalledProcessError if npm fails, KeyError if a package no longer has a file.
+    Raises OSError if npm is missing or a package no longer has a file, CalledProcessError if npm fails.
     """
     request = json.loads(PACKAGES.read_text(encoding="utf-8"))
     packages = [
@@ -46,18 +46,16 @@ def libraries() -> list[dict[str, Any]]:
 
 def _fetch(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
     """Fetch one package; `files`: local file names by path in the package."""
-    with tempfile.TemporaryDirectory() as place:
-        packing = subprocess.run(
-            ["npm", "pack", "--silent", f"{name}@{version}"], cwd=place, check=True, capture_output=True, text=True
-        )
-        with tarfile.open(Path(place) / packing.stdout.split()[-1]) as archive:
-            members = {m.name.partition("/")[2]: archive.extractfile(m) for m in archive.getmembers() if m.isfile()}
-            about = json.loads(members["package.json"].read())  # type: ignore[union-attr]
-            digests = {}
-            for path, file_name in files.items():
-                data = members[path].read()  # type: ignore[union-attr]
-                write(FOLDER / file_name, data)
-                digests[file_name] = hashlib.sha256(data).hexdigest()
+    with tempfile.TemporaryDirectory() as folder:
+        command = ["npm", "pack", "--silent", f"{name}@{version}"]
+        packing = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
+        shutil.unpack_archive(Path(folder) / packing.stdout.split()[-1], folder, filter="data")
+        place, digests = Path(folder) / "package", {}
+        about = json.loads((place / "package.json").read_text(encoding="utf-8"))
+        for path, file_name in files.items():
+            data = (place / path).read_bytes()
+            write(FOLDER / file_name, data)
+            digests[file_name] = hashlib.sha256(data).hexdigest()
     return {
         "package": name,
         "version": about["version"],

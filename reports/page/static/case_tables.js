@@ -14,7 +14,6 @@ suite.ofCase = async (place) => {
     const table = frame.appendChild(document.createElement("table"));
     table.className = "data short grades";
     table.dataset.name = name;
-    const mark = (node, { solver, route }) => { if (solver) { node.dataset.solver = solver; node.dataset.route = route; } };
     const top = table.createTHead().insertRow(), body = table.createTBody();
     for (const head of heads) {
       const cell = top.appendChild(document.createElement("th"));
@@ -23,19 +22,12 @@ suite.ofCase = async (place) => {
       if (head.unit) cell.append(" ", Object.assign(document.createElement("small"), { textContent: head.unit }));
       cell.title = head.tip ?? "";
       cell.className = head.number ? "number" : "";
-      mark(cell, head);
+      suite.mark(cell, head);
     }
-    for (const line of lines) {
-      const row = body.insertRow();
-      mark(row, line);
-      line.cells.forEach((one, i) => {
-        const [text, order, kind = ""] = [one].flat(), cell = row.insertCell();
-        cell.textContent = text;
-        if (order !== undefined) cell.dataset.order = order || "1e308";
-        cell.className = `${heads[i].number ? "number" : ""} ${kind}`.trim();
-        mark(cell, heads[i]);
-      });
-    }
+    for (const line of lines) suite.row(body, line, line.cells.map((one, i) => {
+      const [text, order, kind = ""] = [one].flat();
+      return { ...heads[i], title: "", text, order, kind: `${heads[i].number ? "number" : ""} ${kind}`.trim() };
+    }));
   }
   // A heading of each engine's route for a column of its own.
   const each = (unit, tip, title = "") => ({ solver, route }) => ({ title: title || `${solver} ${route}`, unit, tip, number: true, solver, route });

@@ -61,8 +61,6 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => suite.announce());
   // What is shown alone, without the other tabs and cases.
   document.querySelector(".print")?.addEventListener("click", () => { root.classList.add("alone"); print(); root.classList.remove("alone"); });
-  // A printed page has all chapters: their figures must be there, although nobody scrolled to them.
-  addEventListener("beforeprint", () => document.querySelectorAll("img[loading]").forEach((one) => one.removeAttribute("loading")));
   chapters.forEach((chapter) => pages(chapter).forEach((one, i) => hide(one, i > 0)));
   root.classList.add("ready");
   show(Boolean(location.hash));

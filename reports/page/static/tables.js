@@ -4,6 +4,21 @@ const EMPTY = 1e300;
 // Cells without a number are last in both directions.
 DataTable.ext.type.order["num-asc"] = (a, b) => a - b;
 DataTable.ext.type.order["num-desc"] = (a, b) => (a >= EMPTY) - (b >= EMPTY) || b - a;
+// What belongs to a route, which the switches hide.
+suite.mark = (node, { solver, route }) => { if (solver) node.dataset.solver = solver; if (solver && route) node.dataset.route = route; };
+// A row of cells, each with text, sort key, class, tooltip, solver and route.
+suite.row = (body, of, cells) => {
+  const row = body.insertRow();
+  suite.mark(row, of);
+  for (const one of cells) {
+    const cell = row.insertCell();
+    cell.textContent = one.text;
+    if (one.order !== undefined) cell.dataset.order = one.order || "1e308";
+    if (one.kind) cell.className = one.kind;
+    if (one.title) cell.title = one.title;
+    suite.mark(cell, one);
+  }
+};
 suite.table = (table) => {
   if (table.dataset.awake) return;
   table.dataset.awake = "yes";
@@ -42,20 +57,12 @@ suite.table = (table) => {
     const heads = [...table.tHead.rows[0].cells], rows = await suite.rows(file);
     if (!rows) return;
     const body = document.createElement("tbody");
-    for (const row of rows) {
-      const line = body.insertRow();
-      if (row.solver) line.dataset.solver = row.solver;
-      if (row.route && row.solver !== "reference") line.dataset.route = row.route;
-      for (const head of heads) {
-        const cell = line.insertCell(), value = row[head.dataset.column], isNumber = head.classList.contains("number");
-        const isShare = head.querySelector("small")?.textContent === "%" && value !== "";
-        cell.textContent = isShare ? (+value ? suite.number(100 * value) : "0") : suite.shorten(value, head.dataset.column, isNumber);
-        if (isNumber) { cell.className = "number"; cell.dataset.order = value === "" ? "1e308" : value; cell.title = value; }
-        else if (/^(answered|excellent|very good|good|rough|poor|unusable|not decided|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
-        else if (head.dataset.column.includes("setting")) cell.className = "setting";
-        else if (/^(reason|notes?)$/.test(head.dataset.column) || value.length > 40) cell.className = "reason";
-      }
-    }
+    for (const row of rows) suite.row(body, { ...row, route: row.solver === "reference" ? "" : row.route }, heads.map((head) => {
+      const column = head.dataset.column, value = row[column], isShare = head.querySelector("small")?.textContent === "%" && value !== "";
+      if (head.classList.contains("number")) return { kind: "number", order: value, title: value, text: isShare ? (+value ? suite.number(100 * value) : "0") : suite.shorten(value, column, true) };
+      const isWord = /^(answered|excellent|very good|good|rough|poor|unusable|not decided|crashed|timed_out|paired|missed|spurious)$/.test(value), isLong = /^(reason|notes?)$/.test(column) || value.length > 40;
+      return { kind: isWord ? value.replace(" ", "-") : column.includes("setting") ? "setting" : isLong ? "reason" : "", text: suite.shorten(value, column, false) };
+    }));
     table.tBodies[0].replaceWith(body);
     cue?.querySelector(".part")?.remove();
     begin(rows.length);
@@ -79,7 +86,7 @@ suite.table = (table) => {
 // A cell belongs to its column's route, which the switches hide.
 document.querySelectorAll("table.cells").forEach((table) => [...table.tHead.rows[0].cells].forEach((head, i) => {
   head.dataset.name = head.innerText.replace(/\s+/g, " ").trim();
-  if (head.dataset.solver) for (const row of table.tBodies[0].rows) Object.assign(row.cells[i].dataset, { solver: head.dataset.solver, ...(head.dataset.route ? { route: head.dataset.route } : {}) });
+  for (const row of table.tBodies[0].rows) suite.mark(row.cells[i], head.dataset);
 }));
 
 // The details of a cell on tap, click and focus: one stop of Tab for the whole table, then the arrow keys.
