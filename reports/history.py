@@ -83,8 +83,9 @@ def main(arguments: Namespace, words: list[str]) -> None:
 
 def _settings(case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
     """The default settings, and one at two thirds of the ladder."""
-    ladder = [setting for setting in settings if not setting.is_default]
-    return (*[s for s in settings if s.is_default][:1], *ladder[2 * len(ladder) // 3 :][:1])
+    from .running.ladder_selection import default_and
+
+    return default_and(settings, 2 * sum(not setting.is_default for setting in settings) // 3)
 
 
 def _make(

@@ -42,11 +42,17 @@ def select_rungs(
         return settings
     if effort == "default" and (solver, route) == (REFERENCE, LITERAL):
         return settings[:2]
-    ladder = [s for s in settings if not s.is_default]
-    third = len(ladder) // 3
-    one = len(ladder) - 1 if solver == REFERENCE else 2 * third
-    places = sorted({0, third, 2 * third} if effort == "quick" else {one}) if ladder else []
-    return (*[s for s in settings if s.is_default][:1], *(ladder[i] for i in places))
+    rungs = sum(not setting.is_default for setting in settings)
+    third = rungs // 3
+    one = rungs - 1 if solver == REFERENCE else 2 * third
+    return default_and(settings, *sorted({0, third, 2 * third} if effort == "quick" else {one}))
+
+
+def default_and(settings: Sequence[Setting], *places: int) -> tuple[Setting, ...]:
+    """The first default setting, and the rungs of the ladder at these places; the finest for a place beyond it."""
+    ladder = [setting for setting in settings if not setting.is_default]
+    rungs = (ladder[min(place, len(ladder) - 1)] for place in places if ladder)
+    return (*[setting for setting in settings if setting.is_default][:1], *rungs)
 
 
 def ladder_case(cases: Sequence[Case]) -> str:

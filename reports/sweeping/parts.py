@@ -5,7 +5,6 @@ The same functions run in a worker of this machine and of a cluster; their only 
 
 from __future__ import annotations
 
-import platform
 import time
 from io import BytesIO
 from math import isfinite
@@ -39,9 +38,8 @@ class SweepWork(NamedTuple):
 
 def environment() -> dict[str, str]:
     """Versions and code that determine the reference's rows on a machine."""
-    packages = ("numpy", "scipy", "sympy", "heyoka")
-    facts = {"python": platform.python_version(), "method of the reference": reference.METHODS[0]}
-    facts |= {package: fingerprint.installed_packages(package) for package in packages}
+    around = fingerprint.surroundings()
+    facts = {"python": around["python"], **around["packages"], "method of the reference": reference.METHODS[0]}
     return dict(sorted((facts | {"code of the suite": fingerprint.sources(table)[:16]}).items()))
 
 

@@ -26,6 +26,7 @@ from ...judging import residuals
 from ...judging.grades import LIMITS, Grade, percent
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import run_cases
+from ...running.ladder_selection import default_and
 from ...running.names import REFERENCE
 from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
 from ...running.tasks import find_truth, in_catalogue, truth_of
@@ -163,9 +164,7 @@ def _rungs(full: bool, case: str, solver: str, route: str, settings: tuple[Setti
         return tuple(one_default(settings))
     if solver == REFERENCE:
         return settings[1::2]
-    ladder = [s for s in settings if not s.is_default]
-    few = (ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)
-    return (*[s for s in settings if s.is_default][:1], *few)
+    return default_and(settings, *_RUNGS)
 
 
 def scene_of(case: Case) -> HardScene:
