@@ -182,7 +182,6 @@ class Plate:
         return sizes_of(self.outline).radius
 
 
-@lru_cache(maxsize=256)
 class SpinningPlate(Plate):
     """A plate of infinite inertia as a track that turns sees it: the moment of its load is the rate of its spin
     (rad/s²), whatever forces act."""
@@ -192,6 +191,7 @@ class SpinningPlate(Plate):
         return True
 
 
+@lru_cache(maxsize=256)
 def _runs_clockwise(outline: Curve) -> bool:
     low, high = outline.span
     return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
+from math import inf
 from multiprocessing import get_context
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 import sympy as sp
 
 import cases
-from cases import Case, CoulombFriction, Curve, Gravity, Load, Plate, Start, Unilateral
+from cases import Case, CoulombFriction, Curve, Drive, Gravity, Load, Plate, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.curves import cos, sin
+from cases.library import line
+from cases.moving_frame import relative_case
 from reports.running.storage.fingerprint import content
 
 
@@ -45,8 +48,14 @@ def by_hand() -> Case:
     return Case(track, Plate(outline, 1.0, 0.01), effects, Start(0.5), duration=1.0, parameters={"size": 0.1})
 
 
+def on_turning_track() -> Case:
+    """A disc that does not turn, as its track sees it that does."""
+    effects = Gravity(9.81), CoulombFriction(0.2), Unilateral(), Drive(angle="0.1*t")
+    return relative_case(Case(line(), disc(0.1, 1.0, inf), effects, Start(0.0), 1.0))
+
+
 def all_cases() -> list[Case]:
-    return [by_hand(), *(case for name in cases.names() for case in cases.select(name, long=True))]
+    return [by_hand(), on_turning_track(), *(case for name in cases.names() for case in cases.select(name, long=True))]
 
 
 def test_every_case_arrives_as_it_was_sent(elsewhere):
