@@ -15,9 +15,9 @@ from .broken_laws import worst
 from .contact_impulse import impulse_of_one, impulses_at_once
 from .laws import Defects, Joins, MotionScales
 from .meetings import meetings
-from .samples import CLOSE, MotionSamples, contact_of, law_at
+from .samples import CLOSE, MotionSamples, PlateSamples, contact_of, law_at
 from .tolerances import AMPLIFICATION, CLOSED, PARTS
-from .touches import PlatesNow, TouchNow, couple_row, masses, plates_at, touch, touches_at
+from .touches import TouchNow, couple_row, largest_rate, masses, plates_at, touch, touches_at
 
 # Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
 ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
@@ -61,7 +61,7 @@ def passes_piece(samples: MotionSamples, time: float) -> bool:
 def impact_at(
     samples: MotionSamples,
     scales: MotionScales,
-    plates: tuple[PlatesNow, PlatesNow],
+    plates: tuple[PlateSamples, PlateSamples],
     step: int,
     time: float,
     rtol: float,
@@ -80,7 +80,7 @@ def impact_at(
 
 
 def _unlisted(
-    samples: MotionSamples, scales: MotionScales, plates: PlatesNow, places: list[TouchNow], time: float
+    samples: MotionSamples, scales: MotionScales, plates: PlateSamples, places: list[TouchNow], time: float
 ) -> list[TouchNow]:
     """Further places at which plates touch: two that touch at one instant only, and part by the impact of others, have
     no transition."""
@@ -104,7 +104,7 @@ def groups_of(places: list[TouchNow]) -> list[list[TouchNow]]:
 
 
 def places_of_impact(
-    samples: MotionSamples, scales: MotionScales, plates: PlatesNow, step: int, time: float, rtol: float,
+    samples: MotionSamples, scales: MotionScales, plates: PlateSamples, step: int, time: float, rtol: float,
     touching: float = CLOSED,
 ) -> list[TouchNow]:  # fmt: skip
     """Where plates touch at the start of a step: contacts that are closed before or after, those that are listed, and
@@ -133,7 +133,7 @@ def places_of_impact(
 
 
 def _one_impact(
-    samples: MotionSamples, scales: MotionScales, places: list[TouchNow], plates: tuple[PlatesNow, PlatesNow],
+    samples: MotionSamples, scales: MotionScales, places: list[TouchNow], plates: tuple[PlateSamples, PlateSamples],
     step: int, time: float, rtol: float,
 ) -> Iterator[Defects]:  # fmt: skip
     (before, after), case, law = plates, samples.case, places[0].law
@@ -141,7 +141,7 @@ def _one_impact(
     bodies = {body for one in places for body in (one.law.body, one.law.base)}
     is_of_group = np.repeat([body in bodies for body in range(len(before.place))], 3)
     when, jump = np.array([time]), np.where(is_of_group, after.rates - before.rates, 0.0)
-    if _size(jump, scales) <= (ONE + PARTS * rtol) * scales.speed:
+    if largest_rate(jump, scales.size) <= (ONE + PARTS * rtol) * scales.speed:
         return
     floor = AMPLIFICATION * float(max(scales.condition[step], scales.condition[max(step - 1, 0)]))
     if len(places) == 1 and not law.arm:
@@ -153,21 +153,14 @@ def _one_impact(
         every = [impulse_of_one(matrix, velocity, moving, stick, law.impact)]
         if case.others:  # plates that nearly touch have one impact by complementarity
             every += impulses_at_once(matrix, velocity, moving, stick, law.impact)
-        off = min(_size(jump - inverse * (np.array(each) @ rows), scales) for each in every)
+        off = min(largest_rate(jump - inverse * (np.array(each) @ rows), scales.size) for each in every)
         yield Defects("law of impact", law.name, when, np.array([off]), scales.speed, "m/s", ONE + floor)
         return
     yield from _impact_of_several(scales, places, (before, after), own * is_of_group, when, floor + PARTS * rtol)
 
 
-def _size(rates: np.ndarray, scales: MotionScales) -> float:
-    """The largest velocity of generalised ones, m/s; infinite for NaN."""
-    parts = rates.reshape(-1, 3)
-    size = float((np.hypot(parts[:, 0], parts[:, 1]) + scales.size * np.abs(parts[:, 2])).max())
-    return size if np.isfinite(size) else np.inf
-
-
 def _impact_of_several(
-    scales: MotionScales, places: list[TouchNow], plates: tuple[PlatesNow, PlatesNow], own: np.ndarray,
+    scales: MotionScales, places: list[TouchNow], plates: tuple[PlateSamples, PlateSamples], own: np.ndarray,
     when: np.ndarray, floor: float,
 ) -> Iterator[Defects]:  # fmt: skip
     """Impulses inside the cones make the jump, of contacts that may have one: by a linear program. With Poisson's
@@ -206,7 +199,7 @@ def _impact_of_several(
         columns += own_columns
     rest = own * (after.rates - before.rates) * unit
     largest = max(float(np.abs(rest).max()), np.finfo(float).tiny)
-    change, off = _size(own * (after.rates - before.rates), scales) / scales.speed, 1.0
+    change, off = largest_rate(own * (after.rates - before.rates), scales.size) / scales.speed, 1.0
     # Velocities have the error of those of an impact at one contact: of small impulses it is a larger part.
     missing = (ABSORBED if change <= OF_ABSORBED * ABSORBED else ONE) / change
     if columns:

@@ -93,27 +93,17 @@ def own_force(effect: ContactEffect):
     return function_of(formula_symbols.CONTACT, effect.formulas[:3], ON_ARRAYS)
 
 
-def _load(samples: MotionSamples, body: int) -> tuple[np.ndarray | complex, np.ndarray | float]:
-    """Force (complex, N) and moment (N m) of the load on a plate."""
-    load, one = loads_of(samples.case)[body], samples.plates[body]
+def load_at(load: Load | None, t: Any, one: PlateSamples) -> tuple[Any, Any]:
+    """Force (complex, N) and moment (N m) of a plate's load at times (s), arrays of their shape."""
     if load is None:
         return 0j, 0.0
-    fx, fy, moment = load_on_arrays(load)(
-        samples.times, one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
-    )
+    state = one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
+    fx, fy, moment = load_on_arrays(load)(t, *state)
     return fx + 1j * np.asarray(fy), moment
 
 
-def weight_and_load(case: Case, t: float, plates: Any) -> list[tuple[float, float, float]]:
-    """Weight and load of each plate at one instant: force (N) and moment (N m)."""
-    gravity, result = case.effect(Gravity), []
-    gx, gy = gravity.vector if gravity is not None else (0.0, 0.0)
-    rows = zip(plates_of(case), loads_of(case), plates.place, plates.angle, plates.velocity, plates.spin, strict=True)
-    for plate, load, place, angle, velocity, spin in rows:
-        state = t, place.real, place.imag, angle, velocity.real, velocity.imag, spin
-        fx, fy, moment = load.at(*map(float, state)) if load is not None else (0.0, 0.0, 0.0)
-        result.append((plate.mass * gx + fx, plate.mass * gy + fy, moment))
-    return result
+def _load(samples: MotionSamples, body: int) -> tuple[Any, Any]:
+    return load_at(loads_of(samples.case)[body], samples.times, samples.plates[body])
 
 
 def acceleration(samples: MotionSamples) -> float:
@@ -243,26 +233,20 @@ def force_scale_at(samples: MotionSamples, law: ContactLaw, scales: MotionScales
     return force_scale(largest, mass, scales.acceleration, scales.speed, scales.extent)
 
 
-def speed_of(samples: MotionSamples, reach: list[float], outer: float) -> float:
-    """The scale of a motion's velocities, m/s: the largest of plates, slips and belts, and that of
-    a fall from a plate's size; without weight and load a plate's size in the case's duration."""
-    speeds = [
-        float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
-    ]
+def motion_scales(samples: MotionSamples, poses: float = POSE) -> MotionScales:
+    """The scales of a motion. That of its velocities is the largest of plates, slips and belts, and that of a fall from
+    a plate's size; without weight and load a plate's size in the case's duration."""
+    reach, outer = [plate.reach for plate in plates_of(samples.case)], acceleration(samples)
+    every = list(zip(samples.plates, reach, strict=True))
+    speeds = [float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in every]
     for contact in samples.contacts:
         speeds.append(float(np.fmax.reduce(np.abs(contact.slip), axis=None, initial=0.0)))
         if contact.law.belt:
             speeds.append(float(np.abs(contact.law.belt.at_arrays(samples.times.ravel())).max()))
-    size = max(reach)
-    return max(*speeds, speed_scale(outer, size)) or size / samples.case.duration
-
-
-def motion_scales(samples: MotionSamples, poses: float = POSE) -> MotionScales:
-    """The scales of a motion."""
-    reach, outer = [plate.reach for plate in plates_of(samples.case)], acceleration(samples)
-    extent, last = extent_of(samples, reach), float(samples.times.max(initial=0.0))
-    speed = speed_of(samples, reach, outer)
-    return MotionScales(speed, reach, max(reach), extent, outer, last, condition_numbers(samples), poses)
+    size, last = max(reach), float(samples.times.max(initial=0.0))
+    speed = max(*speeds, speed_scale(outer, size)) or size / samples.case.duration
+    extent = max([float(np.abs(p.place).max()) + r for p, r in every])
+    return MotionScales(speed, reach, size, extent, outer, last, condition_numbers(samples), poses)
 
 
 def condition_numbers(samples: MotionSamples) -> np.ndarray:
@@ -292,11 +276,6 @@ def condition_numbers(samples: MotionSamples) -> np.ndarray:
         ratio = np.maximum(ratio, ((across + np.abs(pull)) / np.abs(across - pull)).max(axis=1))
         result[contact.steps] = np.maximum(result[contact.steps], ratio)
     return result
-
-
-def extent_of(samples: MotionSamples, reach: list[float]) -> float:
-    """How far from the origin plates are, m."""
-    return max([float(np.abs(one.place).max()) + r for one, r in zip(samples.plates, reach, strict=True)])
 
 
 def material_velocity(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:

@@ -8,14 +8,14 @@ from cases import Mode
 from cases.contact.element_pairs import nearest_on_elements
 from cases.scene.couples import couples
 
-from .samples import MotionSamples, law_at
-from .touches import PlatesNow, TouchNow, touch
+from .samples import MotionSamples, PlateSamples, law_at
+from .touches import TouchNow, touch
 
 # Pairs of points that are farther apart than this part of the plate's reach do not meet.
 NEAR = 0.1
 
 
-def meetings(samples: MotionSamples, plates: PlatesNow, t: float) -> list[TouchNow]:
+def meetings(samples: MotionSamples, plates: PlateSamples, t: float) -> list[TouchNow]:
     """The nearest points of all pairs of curves at one instant, contacts or not."""
     poses, result = np.column_stack([plates.place.real, plates.place.imag, plates.angle]).ravel(), list[TouchNow]()
     for couple in couples(samples.case):

@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Mode, Unilateral
+from cases import Case, Gravity, Mode, Unilateral
 from cases.motion.trajectory import CONTACT
 from cases.own_effects import own_effects
-from cases.scene.free_plates import plates_of
+from cases.scene.free_plates import loads_of, plates_of
 
 from .chebyshev import AMPLIFICATION, RATES
-from .laws import MotionScales, own_force, weight_and_load
-from .samples import MotionSamples, law_at
+from .laws import MotionScales, load_at, own_force
+from .samples import MotionSamples, PlateSamples, law_at
 from .tolerances import EPS
-from .touches import PlatesNow, TouchNow, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
+from .touches import TouchNow, bend_at, couple_row, is_at_joint, largest_rate, masses, plates_at, touch, touches_at
 
 # Laws hold strictly with this margin, in parts of the largest acceleration; an open contact is one within this part of
 # the scene's size, which does not part.
@@ -72,11 +72,11 @@ def next_motions(samples: MotionSamples, scales: MotionScales, t: float, is_end:
     if places is None:
         return None
     own, inverse = masses(case)
-    force = np.array(weight_and_load(case, t, plates)).ravel()
+    force = _weight_and_load(case, t, plates)
     claim = np.zeros(len(own)) if is_end else _rates(samples, step)
     largest = max(
-        scales.acceleration, scales.speed**2 / scales.size * 1e-3, _largest(force * inverse, scales.size),
-        _largest(claim, scales.size),
+        scales.acceleration, scales.speed**2 / scales.size * 1e-3, largest_rate(force * inverse, scales.size),
+        largest_rate(claim, scales.size),
     )  # fmt: skip
     unit = np.tile([1.0, 1.0, scales.size], len(plates.place)) / largest
     small = (1e-13 + EPS * float(scales.condition[step])) * scales.speed
@@ -95,10 +95,14 @@ def next_motions(samples: MotionSamples, scales: MotionScales, t: float, is_end:
     return NextMotions(every, claim * unit, noise)
 
 
-def _largest(rates: np.ndarray, size: float) -> float:
-    """The largest of generalised accelerations, m/s²."""
-    parts = rates.reshape(-1, 3)
-    return float((np.hypot(parts[:, 0], parts[:, 1]) + size * np.abs(parts[:, 2])).max())
+def _weight_and_load(case: Case, t: float, plates: PlateSamples) -> np.ndarray:
+    """Weight and load of all plates at one instant: forces (N) and moments (N m), (3 plates,)."""
+    gravity, result = case.effect(Gravity), list[float]()
+    pull = complex(*gravity.vector) if gravity is not None else 0j
+    for plate, load, *one in zip(plates_of(case), loads_of(case), *plates, strict=True):
+        force, moment = load_at(load, t, PlateSamples(*one))
+        result += (plate.mass * pull + force).real, (plate.mass * pull + force).imag, moment
+    return np.array(result)
 
 
 def _rates(samples: MotionSamples, step: int) -> np.ndarray:
@@ -139,7 +143,7 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
     return result
 
 
-def _candidate(one: TouchNow, plates: PlatesNow, t: float) -> _Candidate | None:
+def _candidate(one: TouchNow, plates: PlateSamples, t: float) -> _Candidate | None:
     """The second-order terms at a contact: its point moves along both curves, whose tangents turn."""
     law = one.law
     if is_at_joint(law.track, one.xi1):

@@ -45,14 +45,19 @@ CREEP = 1e-9
 
 
 class PlateSamples(NamedTuple):
-    """One plate, arrays (steps, 25): place and velocity of its centre of mass (complex, m and m/s), the direction of
-    its own x axis (complex, of length 1), its spin (rad/s) and its angle (rad)."""
+    """One plate, arrays (steps, 25), or all plates at one instant, (plates,): place and velocity of the centre of mass
+    (complex, m and m/s), the direction of its own x axis (complex, of length 1), its spin (rad/s) and angle (rad)."""
 
     place: np.ndarray
     turn: np.ndarray
     velocity: np.ndarray
     spin: np.ndarray
     angle: np.ndarray
+
+    @property
+    def rates(self) -> np.ndarray:
+        """Generalised velocities of all plates, (3 plates,)."""
+        return np.column_stack([self.velocity.real, self.velocity.imag, self.spin]).ravel()
 
 
 class ContactLaw(NamedTuple):

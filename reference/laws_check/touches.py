@@ -12,26 +12,10 @@ from cases import Case, Chain, Curve, Mode
 from cases.curves.corner import Corner
 from cases.scene.free_plates import plates_of
 
-from .samples import ContactInstants, ContactLaw, MotionSamples, place_at
+from .samples import ContactInstants, ContactLaw, MotionSamples, PlateSamples, place_at
 
 # Within this part of a radian or of a metre of the parameter two places of a chain are one.
 JOINT = 1e-9
-
-
-class PlatesNow(NamedTuple):
-    """All plates at one instant: places, directions of their own x axes and velocities, complex, spins and angles,
-    (plates,)."""
-
-    place: np.ndarray
-    turn: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray
-    angle: np.ndarray
-
-    @property
-    def rates(self) -> np.ndarray:
-        """Generalised velocities, (3 plates,)."""
-        return np.column_stack([self.velocity.real, self.velocity.imag, self.spin]).ravel()
 
 
 class TouchNow(NamedTuple):
@@ -51,10 +35,10 @@ class TouchNow(NamedTuple):
     xi2: float
 
 
-def plates_at(samples: MotionSamples, step: int, node: int) -> PlatesNow:
+def plates_at(samples: MotionSamples, step: int, node: int) -> PlateSamples:
     """The plates at a node of a step."""
     rows = [[row[step, node] for row in one] for one in samples.plates]
-    return PlatesNow(*(np.array(column) for column in zip(*rows, strict=True)))
+    return PlateSamples(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
 def row_of(contact: ContactInstants, step: int) -> int | None:
@@ -75,7 +59,7 @@ def touches_at(samples: MotionSamples, step: int, node: int) -> list[TouchNow]:
     return result
 
 
-def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlatesNow, xi1: float, xi2: float, t: float) -> TouchNow:
+def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlateSamples, xi1: float, xi2: float, t: float) -> TouchNow:
     """The contact of a pair at given parameters."""
     own, _ = place_at(law.outline, xi2)
     point, tangent = place_at(law.track, xi1)
@@ -89,7 +73,7 @@ def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlatesNow, xi1: float
     return TouchNow(law, mode, point, tangent, outer - point, along, across, slip, xi1, xi2)
 
 
-def direction_row(case: Case, law: ContactLaw, plates: PlatesNow, point: complex, direction: complex) -> np.ndarray:
+def direction_row(case: Case, law: ContactLaw, plates: PlateSamples, point: complex, direction: complex) -> np.ndarray:
     """The row (3 plates,) of the velocity of a plate's point along a direction, against that of its base: also the
     generalised force of a unit force there."""
     row = np.zeros(3 * len(plates.place))
@@ -117,6 +101,13 @@ def masses(case: Case) -> tuple[np.ndarray, np.ndarray]:
     rows = [(p.mass, p.mass, p.inertia if p.turns else 0.0) for p in plates_of(case)]
     own = np.array(rows).ravel()
     return own, np.divide(1.0, own, out=np.zeros_like(own), where=own > 0.0)
+
+
+def largest_rate(rates: np.ndarray, size: float) -> float:
+    """The largest of generalised velocities or accelerations of plates of that size (m); infinite for NaN."""
+    parts = rates.reshape(-1, 3)
+    largest = float((np.hypot(parts[:, 0], parts[:, 1]) + size * np.abs(parts[:, 2])).max())
+    return largest if np.isfinite(largest) else np.inf
 
 
 def is_at_joint(curve: Curve, s: float) -> bool:
