@@ -10,7 +10,8 @@ from math import ceil, floor
 import numpy as np
 from scipy.spatial import cKDTree
 
-from cases import Case, Curve
+from cases import Curve
+from cases.scene.contact_pairs import PairCase
 
 from .advancement import Search
 from .curve_bounds import CurveBounds
@@ -35,7 +36,7 @@ STRAIGHT = 0.5
 class Surroundings:
     """Track and plate of a case, and the searches for where they touch."""
 
-    def __init__(self, case: Case, xi1: float):
+    def __init__(self, case: PairCase, xi1: float):
         self.case, self.distance = case, TrackDistance(case)
         self.reach, self.size = self.distance.reach, self.distance.size
         self.track, self.outline = CurveBounds(case.track), CurveBounds(case.plate.outline)

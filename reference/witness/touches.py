@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cases import DoesNotFit
 from cases.scene.contact_pairs import PairCase
 
 from .pairs import Touch, nearest
@@ -68,6 +69,8 @@ class Touches:
         """Whether there was a gap at the touch one step before."""
         number = min(max(int(np.searchsorted(motion.edges, touch.time)), 1), len(motion.edges) - 1)
         step = motion.edges[number] - motion.edges[number - 1]
-        body = motion.bodies(np.array([touch.time - step]))[:, 0].tolist()
-        pair = nearest(self.case, body, touch.xi1, touch.xi2)
-        return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))
+        try:
+            body, pair = nearest(self.case, motion, touch.time - step, (touch.xi1, touch.xi2))
+        except DoesNotFit:
+            return False
+        return pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))
