@@ -12,7 +12,7 @@ from .samples import MotionSamples, PlateSamples, law_at
 from .touches import TouchNow, touch
 
 # Pairs of points that are farther apart than this part of the plate's reach do not meet.
-NEAR = 0.1
+NEAR = 1e-4
 
 
 def meetings(samples: MotionSamples, plates: PlateSamples, t: float) -> list[TouchNow]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from cases import Case, Chain, Curve, Plate
 from cases.contact.nearest import contacts
-from cases.contact.overlap_search import deepest_overlap, first_overlap
+from cases.contact.overlap_search import first_overlap
 from cases.curves.line_or_circle import as_line
 from cases.scene.free_plates import names_of, plates_of
 from cases.scene.supports import TRACK
@@ -104,12 +104,12 @@ def _in_curve(
             return
         number, xi1 = first + overlap[0], overlap[1]
         pose = float(x[number]), float(y[number]), float(theta[number])
-        if isinstance(curve, Chain) or isinstance(plate.outline, Chain):
-            gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
-        else:
-            gaps = [one.gap for one in [deepest_overlap(curve, plate.outline, *pose, xi1)] if one is not None]
-        if gaps:
-            yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
+        # The nearest points, or as deep as the track's point is inside: a narrow ripple may have none of these.
+        u, v = curve.point(xi1)
+        own = (complex(u, v) - complex(pose[0], pose[1])) * np.exp(-1j * pose[2])
+        gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
+        gaps.append(-float(np.abs(distance(np.array([own]), corners)).min()))
+        yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
         first = number + 1
         if first >= len(x):
             return
