@@ -8,7 +8,6 @@ import shutil
 import signal
 import stat
 import sys
-import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -93,12 +92,6 @@ def remove_folder_above() -> str:
     above = Path.cwd().parent
     shutil.rmtree(above)
     return str(above)
-
-
-def scribble_and_hang() -> None:
-    """Make a temporary file, as an executable engine's adapter does, and never return."""
-    Path(tempfile.mkdtemp(), "scene.json").touch()
-    time.sleep(600.0)
 
 
 def remove_and_fail(folder: Path) -> None:

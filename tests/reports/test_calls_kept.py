@@ -4,7 +4,7 @@ import pytest
 
 import cases
 from adapters.processes.worker import CallResult
-from reports.running import calls, solvers
+from reports.running import calls
 from reports.running.calls import Calls, StorePolicy
 from reports.running.storage.result_store import Store
 
@@ -98,11 +98,6 @@ def test_calls_that_ran_out_of_time_before_are_told_to_who_skips(made):
     assert slow_seen == [["late"]]
 
 
-def test_what_ended_from_outside_is_reported(made):
-    _, _, asked = made("ended", "dies")
-    assert len(asked.interruptions) == 1 and asked.interruptions[0].endswith("reference ended: from outside")
-
-
 def test_code_function_and_arguments_decide(made, monkeypatch):
     made("a")
     assert made("a")[1].made == []
@@ -113,24 +108,6 @@ def test_code_function_and_arguments_decide(made, monkeypatch):
         patch.setattr(work, "__qualname__", "other_work")
         assert made("a")[1].made == ["a"]
     assert made("b")[1].made == ["b"]
-
-
-def test_each_engine_and_each_version_of_one_has_workers_of_its_own(monkeypatch):
-    monkeypatch.setattr(solvers, "is_installed", lambda name: name not in ("gone", "away"))
-    monkeypatch.setattr(solvers, "names", lambda: ("reference", "pymunk", "exudyn", "gone", "away"))
-    calls = [
-        ("pymunk@6.11.1",),
-        ("pymunk",),
-        ("exudyn", 1),
-        ([("pymunk", 1), ("exudyn", 2)],),
-        ("gone",),
-        ("reference",),
-    ]
-    groups = solvers.groups_of(calls)
-    assert groups[:3] == ["pymunk@6.11.1", "pymunk", "exudyn"] and len(set(groups)) == 6
-    # Those that are not installed run no code of an engine: one process is enough for all of them.
-    assert solvers.groups_of([("away",)]) == [groups[4]]
-    assert solvers.groups_of([(LINE,)]) == [groups[5]] == [""]
 
 
 class Cluster:

@@ -1,13 +1,10 @@
 """The console command: the suite's commands under one name."""
 
-import re
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 import cases
-from cases.files.command_line import PROGRAMS
 from reports import cli
 
 pytestmark = pytest.mark.builds
@@ -50,24 +47,6 @@ def test_an_older_name_is_the_command_of_its_newer_one(old, new, monkeypatch):
     monkeypatch.setattr(cli, "_run", lambda name, words: calls.append((name, [*words])) or 0)
     assert cli.main([old, "--help"]) == cli.main([*new.split(), "--help"]) == 0
     assert calls == [(new, ["--help"])] * 2 and new in cli.COMMANDS
-
-
-@pytest.mark.parametrize("name", [n for n in cli.COMMANDS if n != "prove check"])
-def test_help_has_the_name_by_which_the_command_was_called(name, capsys):
-    words = [name, "show", "--help"] if name == "cases" else [*name.split(), "--help"]
-    with suppress(SystemExit):
-        cli.main(words)
-    out = capsys.readouterr().out
-    assert out.startswith(f"usage: slip-to-roll {' '.join(words[:-1])} ") and "python -m" not in out
-    assert PROGRAMS.get() == {}  # other calls in this process are not affected
-
-
-def test_advice_mentions_make_only_where_the_suite_runs_from_a_clone():
-    root = Path(cli.__file__).parents[1]
-    for room in ("cases", "reference", "adapters", "reports"):
-        for file in (root / room).rglob("*.py"):
-            text = file.read_text()
-            assert "in_clone()" in text or not re.search(r"\bmake (report|quick|test|check|docs|walk)\b", text), file
 
 
 def test_the_citation_is_of_the_version_that_runs(capsys):

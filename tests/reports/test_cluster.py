@@ -41,12 +41,6 @@ def within(monkeypatch):
     cluster_worker._own.cache_clear(), cluster_worker._ready.clear()
 
 
-def test_a_call_goes_to_a_worker_and_its_answer_comes_back(within):
-    answers = dict(within.run(operator.call, [(math.sqrt, 2.0), (math.sqrt, -1.0)]))
-    assert answers[0].value == math.sqrt(2.0)
-    assert (answers[1].outcome, answers[1].reason) == ("raised", "ValueError: math domain error")
-
-
 @pytest.mark.slow
 def test_calls_have_the_answers_they_have_here(within):
     """Also where one raises, ends its process, hangs or cannot travel; and the worker lives on."""
@@ -76,11 +70,6 @@ def test_a_fault_of_a_worker_is_no_answer(times, within, monkeypatch):
     else:
         with pytest.raises(NoWorkers, match="no worker of the cluster can make a call .*no space left"):
             list(within.run(operator.call, [(math.sqrt, 2.0)]))
-
-
-def test_a_worker_that_was_not_asked_makes_nothing():
-    with pytest.raises(cluster_worker.UnknownWorker):
-        cluster_worker.make(b"", 1.0, "")
 
 
 def test_what_differs_is_told():

@@ -1,10 +1,7 @@
 """A first call in a process: what counts as one, what it does not share with others, and what its failure says."""
 
-import os
-import signal
 import sys
 import time
-from functools import partial
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -169,23 +166,6 @@ def test_a_route_that_fails_is_tried_once_and_others_go_on(here, monkeypatch):
 def children() -> set[str]:
     """This process's children, running or not: other tests may have left some, such as a server of forks."""
     return {pid for file in Path("/proc/self/task").glob("*/children") for pid in file.read_text().split()}
-
-
-@pytest.mark.parametrize(
-    "function, said",
-    [
-        (lambda _: 1 / 0, "ZeroDivisionError: division by zero"),
-        (lambda _: sys.exit("had enough"), "SystemExit: had enough"),
-        (lambda _: os._exit(7), "its process ended, or took more than"),
-        (lambda _: os.kill(os.getpid(), signal.SIGKILL), "its process ended"),
-        (lambda _: partial, partial),
-    ],
-)
-def test_whatever_happens_in_the_process_split_off_comes_back_as_a_sentence(function, said):
-    before = children()
-    found = call_in_copy(function, None, 60.0)
-    assert found.value is said or found.reason.startswith(said)
-    assert children() <= before
 
 
 def test_a_call_that_does_not_end_is_ended():

@@ -5,8 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from adapters import engines
-from reports.drawing.colours import FIXED_COLOURS, GRADES, GROUND, MARKERS, OTHERS, Colour, LineStyles, colours
+from reports.drawing.colours import FIXED_COLOURS, GRADES, GROUND, MARKERS, OTHERS, Colour, LineStyles
 from reports.running.names import REFERENCE
 
 # Dichromats as Machado, Oliveira and Fernandes simulate them (2009; their matrices for severity 1, looked up in
@@ -74,10 +73,3 @@ def test_a_solver_has_one_marker_and_other_dashes_for_its_other_routes():
     looks = LineStyles([("pymunk", "native"), ("pymunk", "assisted"), ("mine", "file")])
     assert len(set(MARKERS.values())) == len(MARKERS) and looks.marker("mine") not in MARKERS.values()
     assert (looks.is_dashed("pymunk", "native"), looks.is_dashed("pymunk", "assisted")) == (False, True)
-
-
-def test_a_solver_keeps_its_colour_whoever_else_takes_part():
-    assert FIXED_COLOURS.keys() == {REFERENCE, *engines()}
-    alone, beside = colours(["mine"]), colours(["mine", "yours", "pymunk", REFERENCE])
-    assert beside["pymunk"] == FIXED_COLOURS["pymunk"] and alone["mine"] == beside["mine"]
-    assert len(set(beside.values())) == 4

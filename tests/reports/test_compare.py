@@ -12,7 +12,7 @@ from adapters.common import motion_file, motion_table
 from adapters.lookup import engine as adapter_of
 from cases import registry
 from reports import compare, export
-from reports.judging import diagnosis, residuals
+from reports.judging import diagnosis
 
 pytestmark = [pytest.mark.builds, pytest.mark.taylor]
 
@@ -52,14 +52,6 @@ def test_exported_reference_motion_is_excellent(tmp_path, capsys, columns, toler
     for row, event in zip(rows, MOTION.transitions, strict=True):
         assert row[-1] == "paired"
         assert float(row[3]) == pytest.approx(event.time, abs=tolerance)
-
-
-def test_rolling_phases_are_found_from_poses_alone(tmp_path, capsys):
-    name = "disc_in_circle[mu=0.2]"
-    motion = reference.simulate(cases.load(name), rtol=1e-12)
-    status, text, _ = judged(tmp_path, capsys, table(FULL[:4], motion), name)
-    assert status == 0
-    assert [row[-1] for row in ledger(text)] == ["paired"] * len(motion.transitions), text
 
 
 def test_transition_three_percent_late_is_told_with_its_error(tmp_path, capsys):
@@ -141,18 +133,6 @@ def test_a_repeated_line_has_the_number_that_an_editor_gives_it(comments):
     text = "# of the solver\n" * comments + "t,x,y,theta\n0,0,0,0\n1,0,0,0\n1,0,0,0\n"
     with pytest.raises(cases.CaseError, match=f"^line {comments + 4} of motion.csv repeats an earlier line"):
         motion_table.parse(text, "motion.csv")
-
-
-@pytest.mark.sampled(3, first=2)
-@pytest.mark.parametrize("every", [10, 16, 40])
-def test_coarse_samples_are_judged_as_those_of_our_own_ladders_are(tmp_path, capsys, every):
-    """Engines as they come step 60 times a second, and are rows; so is a file."""
-    status, text, _ = judged(tmp_path, capsys, table(FULL[:7]).iloc[::every])
-    assert status == 0
-    first = ledger(text)[0]
-    # A part of a step at worst, and seen at the next sample by who looks at step ends.
-    assert abs(float(first[5])) < 0.2e-3 * every
-    assert 0.0 <= float(first[6]) - float(first[3]) <= 1e-3 * every
 
 
 def creeping(speed: float) -> pd.DataFrame:
@@ -252,19 +232,6 @@ def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     assert diagnosis.mistakes(case, columns, MOTION) == []
 
 
-def test_roundings_of_a_plate_that_turns_on_the_spot_are_no_mistake(monkeypatch):
-    """It has no path, so its places give its angles no unit of length. An angle in degrees is one."""
-    effects = (cases.Gravity(9.81, -np.pi / 2), cases.Unilateral())
-    case = cases.Case(cases.library.line(), cases.disc(0.1, 1.0), effects, cases.StartPose(0.0, 0.1, omega=2.0), 1.0)
-    true = reference.simulate(case)
-    state = true(times := np.linspace(0.0, 1.0, 501))
-    columns = {"t": times, "x": state.x + 1e-16, "y": state.y, "theta": state.theta}
-    mistake = diagnosis.pose_mistake(case, columns | {"theta": np.degrees(state.theta)}, true)
-    assert "theta seems to be in degrees" in mistake
-    monkeypatch.setattr(diagnosis, "_fits", None)  # nothing is searched
-    assert not diagnosis.pose_mistake(case, columns, true)
-
-
 def test_energy_that_grows_is_told(tmp_path, capsys):
     # Little friction, so that four percent too much speed is more than what it takes.
     name = "disc_in_circle[mu=0.01]"
@@ -305,35 +272,8 @@ def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     assert float(row[5]) == pytest.approx(0.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("columns", [FULL[:4], FULL[:7]])
-def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
-    case = cases.load("bouncing_disc", e=0.5)
-    motion = reference.simulate(case, rtol=1e-12)
-    frame = table(columns, motion, samples=3001)
-    frame.to_csv(tmp_path / "bounces.csv", index=False)
-    output = motion_file.trajectory_of(case, motion_table.read(tmp_path / "bounces.csv"))
-    assert output.status == "completed" and len(output.t) == 3001
-    flying = np.isnan(motion(output.t).slip)
-    # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
-    assert np.mean(np.isnan(output.slip) != flying) < 0.02
-    gap = np.where(flying, 1.0, 0.0)
-    assert residuals.broken_laws(case, output, gap) == []
-
-
 def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
     case = cases.load("disc_rolling_off_hill")
     names, rows = export.motion(export.true_motion(case))
     table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
     assert motion_file.trajectory_of(case, table).status == "lift_off"
-
-
-def test_landing_without_impact_ends_the_motion(tmp_path):
-    level = cases.Curve(lambda s: (s, 0))
-    effects = (cases.Gravity(9.81), cases.Unilateral(), cases.Flight())
-    case = cases.Case(level, cases.disc(0.1, 1.0), effects, cases.Start(0.0, gap=0.3), 0.5)
-    t = np.linspace(0.0, 0.5, 501)
-    y = np.maximum(0.4 - 4.905 * t**2, 0.1)
-    pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
-    output = motion_file.trajectory_of(case, motion_table.read(tmp_path / "fall.csv"))
-    assert output.status == "landing"
-    assert output.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)

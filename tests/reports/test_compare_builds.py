@@ -88,25 +88,6 @@ def test_a_row_that_is_missing_is_told(report, tmp_path):
     assert (difference.one, difference.other) == ("there", "missing")
 
 
-def test_ratios_differ_only_outside_both_intervals(report, tmp_path):
-    def of_b(frame):
-        return frame.solver == "b"
-
-    near = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.4", "4", "5"], of_b)
-    output = compare_builds.compare(report, near)
-    assert output.same and output.ratio_count == 2
-    shutil.rmtree(near)
-    far = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.6", "4", "5"], of_b)
-    ((_, row, _, one, other),) = compare_builds.compare(report, far).ratios
-    assert (row, one, other) == (f"{CASE}, 0.01, b, taylor", 3.0, 4.0)
-
-
-@pytest.mark.parametrize("word, counts", [("not reached", 1), ("one setting", 0), ("not timed", 0), ("disturbed", 0)])
-def test_a_level_changes_where_the_accuracy_does(word, counts, report, tmp_path):
-    other = changed(report, tmp_path, "time_to_accuracy", "reached", word)
-    assert len(compare_builds.compare(report, other).levels) == counts
-
-
 @pytest.mark.slow
 def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(tmp_path):
     """Nothing is taken from a store. A test of the machine as well: it must be quiet for its times."""
@@ -120,17 +101,6 @@ def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(
         pytest.skip("the machine was disturbed")
     # Of two processes 99.9 % of the ratios agree on a quiet machine, in the worst two 97 %.
     assert len(output.ratios) <= 0.05 * output.ratio_count
-
-
-@pytest.mark.slow
-def test_two_builds_of_the_same_commit_have_the_same_verdict_in_every_row(tmp_path):
-    """All engines on the cases of a quick report, nothing from a store, with one worker process and with two."""
-    for jobs in ("1", "2"):
-        argv = ["--quick", "--jobs", jobs, "--out", str(tmp_path / jobs), "--store", str(tmp_path / f"store of {jobs}")]
-        assert build.main(argv) == 0
-    rows = len(pd.read_csv(tmp_path / "1" / "tables" / "trajectories.csv"))
-    output = compare_builds.compare(tmp_path / "1", tmp_path / "2")
-    assert rows >= 30 and output.results == [] and output.levels == []
 
 
 def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):

@@ -12,9 +12,8 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, verdict_text, which_engine
+from reports.analysis import cost_conclusions, verdict_text, which_engine
 from reports.judging.grades import LEVELS
-from reports.page import table_files
 from reports.running import solvers
 from reports.running.records import one_default
 from reports.running.timing import clock, timed_pass
@@ -218,19 +217,3 @@ def test_numbers_and_words_stand_in_columns_of_their_own_and_nothing_is_infinite
             assert not cells & {"inf", "-inf", "nan"}, (name, column)
             numbers = {cell for cell in cells if re.fullmatch(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?", cell)}
             assert not numbers or numbers == cells, (name, column, cells - numbers)
-
-
-def write(frame, words, folder):
-    table_files.write(table_files.Tables({"t": frame}, {"t": columns.Table("t", words)}), folder, "make it")
-
-
-def test_an_infinite_result_is_not_written(tmp_path):
-    frame = pd.DataFrame([{"case": "c", "error": float("inf")}])
-    with pytest.raises(ValueError, match="infinite result in error"):
-        write(frame, {"case": "the case", "error": "its error"}, tmp_path)
-
-
-def test_a_column_without_words_is_not_written(tmp_path):
-    frame = pd.DataFrame([{"case": "c", "secret": 1.0}])
-    with pytest.raises(ValueError, match="no description of secret in the table t"):
-        write(frame, {"case": "the case"}, tmp_path)

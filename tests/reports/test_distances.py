@@ -20,11 +20,6 @@ def exact() -> Trajectory:
     return reference.simulate(PAPER, rtol=1e-13)
 
 
-def test_distance_from_itself_is_zero(exact):
-    far = distances.distance(distances.differences(sampled(exact, 200), exact, PAPER))
-    assert max(far) == 0.0
-
-
 def test_a_force_at_a_corner_of_the_track_has_no_multiplier():
     """R_p vanishes there: lambda is not infinite, and no warning is raised."""
     case = cases.load("disc_over_edge")

@@ -7,14 +7,10 @@ import re
 import numpy as np
 import pytest
 
-import cases
 from adapters import Setting
-from adapters.processes.worker import CallResult
 from reports import study
-from reports.running.calls import Calls
-from reports.running.tasks import find_truth, measure, survey
-from reports.studies import Request, error_parts
-from reports.studies.error_parts import ErrorCell, Grid
+from reports.studies import error_parts
+from reports.studies.error_parts import ErrorCell
 
 pytestmark = pytest.mark.builds
 
@@ -81,15 +77,6 @@ def test_knob_to_turn_is_the_one_whose_notch_helps_most():
     assert output(cells, 1.0, 40)["turn_next"] == "none"
 
 
-def test_knob_that_makes_it_worse_is_named_and_not_advised():
-    cells = made_up(lambda h, n: h * n)
-    row = output(cells, 4.0, 10)
-    assert (row["turn_next"], row["makes_worse"]) == ("h", "facets")
-    cells = made_up(lambda h, n: abs(np.log2(h) - np.log2(40 / n)) + 0.1 * h)
-    row = output(cells, 4.0, 10)
-    assert (row["turn_next"], row["makes_worse"]) == ("all", "h facets")
-
-
 def test_failed_run_is_a_row_and_no_advice():
     cells = made_up(lambda h, n: h if (h, n) != (2.0, 10) else np.nan)
     cells[3] = ErrorCell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
@@ -98,51 +85,6 @@ def test_failed_run_is_a_row_and_no_advice():
     assert np.isnan(row["total"])
     # The notch towards the failed run is neither good nor bad.
     assert output(cells, 4.0, 10)["turn_next"] == "all"
-
-
-def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
-    case = cases.load("disc_sliding_off_hill")
-
-    class Broken(Calls):
-        """Where a call of `broken` runs out of time, and all others are made here."""
-
-        def each(self, step, function, arguments, **how):
-            for index, call in enumerate(arguments):
-                late = CallResult("timed_out", reason="too slow")
-                yield index, late if function is broken else CallResult("done", value=function(*call))
-
-    fates = (
-        (find_truth, "unsupported", "there is no truth to judge it by: "),
-        (survey, "timed_out", "asking for its grid: "),
-    )
-    for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
-        cells = error_parts.run(Request((case,), ("pymunk",)), Broken())
-        assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, f"{reason}too slow")}
-
-
-# --- real engines ----------------------------------------------------------------------------------------------------
-
-
-def cells_of(case, name: str, route: str, keep) -> list[ErrorCell]:
-    """Cells of the settings of an adapter's grid that `keep` keeps, run here."""
-    adapter = pytest.importorskip(f"adapters.{name}")
-    truth = find_truth(case)
-    settings = [setting for setting in adapter.grid(case, route) if keep(setting)]
-    return [error_parts.cell_of(measure(case, name, route, s, 1, truth), truth) for s in settings]
-
-
-def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
-    # Facets that do not know their neighbours catch the disc with their ends: the more ends, the more energy is lost.
-    case = cases.load("disc_in_circle", mu=0.1)
-    cells = cells_of(case, "pymunk", "native", lambda s: s["neighbors"] == 0 and s["h"] in (1e-2, 3e-4))
-    grid = Grid(cells)
-    coarse = [float(grid.error((0, facets), "energy_lost")[0]) for facets in range(3)]
-    # Measured 0.74, 2.10 and 2.54 J, and the disc has up to 6.9 J; the fourth is no finer than a step's travel.
-    assert 0.5 / 6.9 < coarse[0] < coarse[1] < coarse[2]
-    fine = [float(grid.error((1, facets), "energy_lost")[0]) for facets in range(3)]
-    assert fine[0] > fine[1] > fine[2] > 0.0
-    row = next(r for r in rows_of(cells) if r["quantity"] == "energy_lost")
-    assert row["makes_worse"] == "facets" and row["turn_next"] == "h"
 
 
 # --- the command -----------------------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count, islice
-from math import cos, sin
 
 import numpy as np
 import pandas as pd
@@ -24,16 +23,7 @@ from cases import (
     Case,
     CaseError,
     CoulombFriction,
-    Flight,
-    Gravity,
-    Impact,
-    RollingResistance,
-    StartPose,
-    Support,
-    Unilateral,
-    disc,
 )
-from cases.library import line
 from reports import export
 from reports.judging.grades import LIMITS, Grade, is_within
 from reports.judging.null_motions import with_friction
@@ -201,24 +191,6 @@ def test_the_same_truth_is_never_worse_than_not_decided(label):
     faults = faults_of_exports(case, truth, alone=True)
     assert bool(faults) == (label in SMALL_OPENINGS), faults
     assert not faults or faults_of_exports(case, truth, alone=False) == {}
-
-
-# A disc at rest on two lines of which one resists rolling.
-LEFT, RIGHT = 0.69, 0.75
-FAR = 0.2 / sin(LEFT + RIGHT)  # the centre has the distance of the radius from both lines
-IN_V = Case(
-    line(LEFT), disc(0.2, 1.0), (Gravity(9.81), Unilateral(), Flight(), Impact(0.0), CoulombFriction(0.435, 0.565)),
-    StartPose(FAR * (cos(RIGHT) - cos(LEFT)), FAR * (sin(LEFT) + sin(RIGHT))), 1.2,
-    supports=(Support(line(-RIGHT), "right", (CoulombFriction(0.27), RollingResistance(0.009))),),
-)  # fmt: skip
-
-
-# A plate rises by 25 µm before its file ends, without a force (it was in contact, 80 % off); and a disc rests on two
-# lines of which one resists rolling (on the other one it rolled, for all of 1.2 s).
-@pytest.mark.parametrize("case", [lifted_plates.lifted_plate(8).case, IN_V], ids=["rises", "rests"])
-def test_a_thousand_samples_per_second_show_the_mode(case):
-    score = judgement(case, find_truth(case), 1000.0).score
-    assert score is not None and is_within(score, LIMITS[Grade.EXCELLENT]) is True
 
 
 @pytest.mark.parametrize("label", slow_but(SMALL_OPENINGS[:1], SMALL_OPENINGS))

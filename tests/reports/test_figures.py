@@ -11,10 +11,8 @@ from matplotlib import pyplot as plt
 
 import cases
 from adapters import Setting
-from cases import Curve, Mode, Transition, curves, library
-from cases.pictures.plots import parameter_unit
+from cases import Mode, Transition
 from cases.pictures.style import apply_style
-from reference.sweeping import plan
 from reports.analysis.verdict import SceneOffs
 from reports.drawing import figures, matplotlib_writer, svg_writer
 from reports.drawing.style import STYLE, LineStyles
@@ -23,7 +21,6 @@ from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
-from reports.sweeping.parameter_units import parameter_label
 
 pytestmark = pytest.mark.builds
 
@@ -148,31 +145,3 @@ def test_a_line_is_interrupted_where_there_is_no_value_and_where_it_leaves_the_a
     diagram = Diagram("", "", ((Panel(PlotAxis(), PlotAxis(low=0.0, high=2.0), (trace,)),),))
     (path,) = re.findall(r'class="curve" d="([^"]*)"', str(svg_writer.svg(diagram, LOOKS)))
     assert path.count("M") == 3 and "nan" not in path
-
-
-@pytest.mark.parametrize(
-    ("curve", "unit"),
-    [
-        (library.circle(0.3), "rad"), (library.line(0.2), "m"), (library.ellipse(1.0, 0.6), ""),
-        (library.cosine(0.3, 2.0), "m"), (Curve(lambda s: (2 * s, 3 * s), domain=(0, 1)), ""),
-        (Curve(lambda s: (0.3 * curves.cos(2 * s), 0.3 * curves.sin(2 * s))), ""),
-    ],
-)  # fmt: skip
-def test_a_curves_parameter_is_in_radians_only_if_it_is_an_angle(curve, unit):
-    assert parameter_unit(curve) == unit
-
-
-@pytest.mark.parametrize(
-    ("case", "parameter", "label"),
-    [
-        ("disc_in_circle", "xi1", "start on the track ξ₁ / rad"),
-        ("disc_in_cosine", "xi1", "start on the track ξ₁ / m"),
-        ("disc_in_ellipse", "xi1", "start on the track ξ₁"), ("disc_in_circle", "mu", "friction coefficient μ"),
-        ("disc_on_line", "v0", "v0 / (m/s)"), ("disc_on_incline", "slope", "slope / rad"),
-        ("disc_in_circle", "r", "r / m"), ("disc_in_circle", "g", "g / (m/s²)"), ("bouncing_disc", "e", "e"),
-        ("disc_in_cosine", "wavenumber", "wavenumber"),
-    ],
-)  # fmt: skip
-def test_a_map_labels_an_axis_by_the_unit_of_its_parameter(case, parameter, label):
-    low = {"xi1": -0.9}.get(parameter, 0.05)
-    assert parameter_label(plan(case, {parameter: [low, low + 0.03, low + 0.06]}), parameter) == label

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cases
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Mode, Start, State, Trajectory, Unilateral, disc
 from cases.library import hill
@@ -61,16 +60,3 @@ def sliding_on(case: Case, count: int, status: str = "completed") -> Trajectory:
 def test_one_that_slides_on_is_unusable(monkeypatch, scene):
     run = performed(monkeypatch, scene, lambda case: sliding_on(case, 100))
     assert (run.outcome, run.grade, run.first_mode) == ("answered", "unusable", "slip_forward")
-
-
-def test_one_sample_of_a_motion_that_goes_on_is_no_motion(monkeypatch, scene):
-    run = performed(monkeypatch, scene, lambda case: sliding_on(case, 1))
-    assert run.outcome == "crashed" and "one sample only" in run.reason
-    assert performed(monkeypatch, scene, lambda case: sliding_on(case, 1, "lift_off")).grade == "excellent"
-
-
-def test_one_sample_is_no_answer_to_a_motion_that_lasts(monkeypatch):
-    case = cases.load("disc_on_line", mu=0.1)
-    known = case, tasks.find_truth(case)
-    run = performed(monkeypatch, known, lambda case: sliding_on(case, 1, "lift_off"))
-    assert (run.outcome, run.grade, run.first_mode) == ("answered", "unusable", "flight")

@@ -17,8 +17,7 @@ import cases
 import reference
 from adapters import Setting
 from adapters.common import motion_table
-from cases import Case, Chain, CoulombFriction, Flight, Gravity, Impact, Start, Trajectory, Unilateral, disc
-from reports import export
+from cases import Case, CoulombFriction, Flight, Impact, Trajectory
 from reports.judging.grades import LIMITS, Grade, is_within
 from reports.judging.null_motions import with_friction
 from reports.running.external_motions import judge_motion, of_table
@@ -251,42 +250,3 @@ def test_friction_of_a_box_is_its_share_of_the_law_s(share):
     other = reference.simulate(with_friction(case, mu=share * friction.mu))
     run = judge(Run(case.label, "one", "", Setting.of(), 0, outcome=""), case, other, motion, truth)
     assert run.friction_factor == pytest.approx(share, rel=1e-3)
-
-
-# --- tracks with corners ----------------------------------------------------------------------------------------------
-
-
-def over_the_edge() -> Case:
-    """A disc that leaves a track with corners at one of them, bounces on the next piece and slips on."""
-    return Case(
-        track=Chain.polyline([(-1.0, 0.3), (0.0, 0.0), (2.0, -1.2), (6.0, -1.5)]),
-        plate=disc(radius=0.1, mass=1.0),
-        effects=(Gravity(9.81), CoulombFriction(0.2), Unilateral(), Flight(), Impact(0.5)),
-        start=Start(xi1=0.3, slip=1.0, omega=-20.0),
-        duration=0.7,
-        name="over_the_edge",
-    )
-
-
-def test_a_flight_from_a_corner_is_compared_with_itself(tmp_path):
-    # "a curve with corners has no single formula"
-    case = over_the_edge()
-    names, rows = export.motion(export.true_motion(case))
-    table = motion_table.parse(pd.DataFrame(rows, columns=list(names)).to_csv(index=False), "motion.csv")
-    truth, _ = truth_of(case)
-    run = judge_motion(of_table("file", case, table), 1, truth)
-    assert run.score is not None and run.grade in ("excellent", "not decided"), run.reason
-    assert run.score.off <= 1e-3 and not [row for row in run.ledger if row.pairing == "spurious"]
-
-
-def test_an_engine_flies_from_a_corner():
-    # pymunk's finest setting but one lost the track: 520 % off.
-    pytest.importorskip("pymunk")
-    from adapters import pymunk
-    from reports.running.tasks import measure
-
-    case = over_the_edge()
-    truth, _ = truth_of(case)
-    setting = list(pymunk.ladder(case, "native"))[-3]
-    run = measure(case, "pymunk", "native", setting, 1, truth)
-    assert run.score is not None and run.score.off <= 0.02, run.reason

@@ -53,13 +53,3 @@ def test_rows_have_the_restitution_of_both(name):
     assert first.closing == pytest.approx(first.reference_closing, rel=1e-3)
     assert (first.restitution, first.reference_restitution) == pytest.approx((0.5, LAW), rel=2e-3)
     assert [one.event for one in run.impacts] == list(range(1, len(run.impacts) + 1))
-
-
-def test_velocities_from_differences_show_the_same():
-    case = thrown("gravity")
-    motion = reference.simulate(case)
-    t = np.linspace(0.0, motion.t[-1], 2001)
-    state = motion(t)._asdict()
-    state |= {rate: np.gradient(state[pose], t) for rate, pose in (("vx", "x"), ("vy", "y"), ("omega", "theta"))}
-    own = impacts.rebounds(case, Trajectory(t=t, **state), tuple(motion.transitions))
-    assert [one.restitution for one in own[:2]] == pytest.approx([LAW, LAW], rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 
 import cases
 import reference
-from cases import Mode, State, Transition
+from cases import Mode, State
 from cases.contact import start_motion
 from reports.judging import friction_sensitivity, grades, null_motions
 from reports.judging.claims import claims_hold
@@ -175,12 +175,6 @@ def test_extrapolations_are_within_their_doubt():
     assert 0.0 < score.off <= score.doubt
 
 
-def test_noise_of_a_roll_is_within_its_doubt():
-    truth = planted.judged(cases.load("rolling_pendulum"))
-    score = truth.score(planted.noisy(truth, 1000, 1e-6))
-    assert score.mode == 0.0 < score.off <= score.doubt
-
-
 def test_a_motion_that_locates_its_transitions_leaves_no_doubt():
     truth = planted.judged(PAPER)
     score = truth.score(truth.truth)  # few samples, known at every time
@@ -263,62 +257,9 @@ def test_score_has_no_unit():
     assert len(offs) == 3 and np.ptp(offs) <= 1e-6 * offs[0]
 
 
-# --- convergence ------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.sampled(2, first=1)
-@pytest.mark.parametrize("case", [PAPER, cases.load("disc_on_line", mu=0.1)], ids=lambda case: case.label)
-def test_semi_implicit_euler_gets_better_with_every_smaller_step(case):
-    truth = planted.judged(case)
-    scores = [truth.score(planted.semi_implicit_euler(case, steps)) for steps in (60, 120, 240, 480, 960, 1920)]
-    for coarse, fine in zip(scores[:-1], scores[1:], strict=True):
-        assert fine.off < coarse.off
-        # First order: half the step, half the error.
-        assert 1.5 <= coarse.off / fine.off <= 2.5
-    grades = [list(Grade).index(grade(score.off)) for score in scores]
-    assert grades == sorted(grades, reverse=True)
-
-
-def test_creep_of_a_relaxed_solver_changes_no_grade():
-    truth = planted.judged(PAPER)
-    for share in (1.0, 0.99, 0.9):
-        score = truth.score(planted.semi_implicit_euler(PAPER, 960, share))
-        assert grade(score.off) is Grade.ROUGH and sequence_note(score, truth.scale) == "same sequence"
-
-
-def test_doubt_falls_with_the_distance_of_samples():
-    truth = planted.judged(PAPER)
-    doubts = [truth.score(sampled(truth.truth, samples)).doubt for samples in (30, 100, 300, 1000, 3000)]
-    assert doubts == sorted(doubts, reverse=True) and doubts[0] > 1e-2 and doubts[-1] < 1e-4
-
-
 # --- what a motion leaves out counts as standing still ----------------------------------------------------------------
 
 
 def part(motion, kept):
     """The motion with some of its samples."""
     return replace(motion, **{name: getattr(motion, name)[kept] for name in ("t", *State._fields)})
-
-
-@pytest.mark.parametrize("begin, end", [(0.0, 0.3), (0.4, 0.7), (0.6, 1.0)], ids=["start", "middle", "end"])
-def test_left_out_time_is_time_in_another_mode(begin, end):
-    truth = planted.judged(PAPER)
-    exact, last = sampled(truth.truth, 1000), truth.scale.end
-    kept = (exact.t < begin * last) | (exact.t > end * last) | (exact.t == (last if end < 1.0 else 0.0))
-    score = truth.score(part(exact, kept))
-    assert score.mode * truth.scale.time >= 0.99 * (end - begin) * last
-    assert score.pose > 0.05
-
-
-def test_a_motion_that_ends_a_step_early_loses_nothing():
-    truth = planted.judged(PAPER)
-    exact = sampled(truth.truth, 1000)
-    assert truth.score(part(exact, slice(0, -2))).off <= 1e-6
-
-
-def test_a_late_transition_is_told_by_its_order_not_by_its_number():
-    truth = planted.judged(PAPER)
-    exact = sampled(truth.truth, 1000)
-    wrong = (Transition(0.1, Mode.SLIP_FORWARD, Mode.FLIGHT),)
-    score = truth.score(replace(exact, transitions=wrong, first_mode=Mode.SLIP_FORWARD))
-    assert sequence_note(score, truth.scale) == "another sequence of modes" and grade(score.off) is Grade.UNUSABLE

@@ -9,24 +9,13 @@ import pytest
 
 import cases
 import reference
-from adapters.common import motion_file, motion_table
 from adapters.common import several_contacts as from_poses
 from cases import (
-    Case,
-    CoulombFriction,
-    Flight,
-    FreePlate,
-    Gravity,
-    Impact,
     Mode,
-    StartPose,
     State,
     Trajectory,
     Transition,
-    Unilateral,
-    disc,
 )
-from cases.library import line
 from cases.motion.sampled_contacts import SampledContacts
 from cases.motion.trajectory import ContactColumns
 from reports.judging import impacts, several_contacts
@@ -79,13 +68,6 @@ def test_samples_of_the_truth_are_within_their_doubt(truth, scales):
     assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 0.1 * gap
 
 
-def test_a_late_motion_is_late_at_each_contact(truth, scales):
-    result = judged(truth, scales, sampled(truth, late=0.05))
-    landings = [row for row in result.ledger if row.before is Mode.FLIGHT]
-    assert len(landings) == 4
-    assert [row.error for row in landings] == pytest.approx([0.05] * 4, abs=1e-3)
-
-
 def test_contacts_are_matched_by_their_places_not_their_numbers(truth, scales):
     motion = sampled(truth)
     first, second = motion.contact_names
@@ -93,15 +75,6 @@ def test_contacts_are_matched_by_their_places_not_their_numbers(truth, scales):
     swapped = replace(motion, contact_columns=SampledContacts(motion.t, columns))
     assert several_contacts.same_contacts(swapped, truth) == {first: second, second: first}
     assert judged(truth, scales, swapped).score == judged(truth, scales, motion).score
-
-
-def test_contacts_are_matched_on_their_own_support_only():
-    """Places on two supports have nothing to do with each other: a ladder's wall is not its floor."""
-    case = cases.load("ladder_at_wall")
-    exact = reference.simulate(case)
-    floor_only = replace(exact, contact_names=("plate/track", "plate/track 2"))
-    both = replace(exact, contact_names=("plate/track", "plate/wall"))
-    assert several_contacts.same_contacts(floor_only, both) == {"plate/track": "plate/track", "plate/wall": ""}
 
 
 def test_each_contact_is_read_by_its_own_friction():
@@ -158,14 +131,6 @@ def test_impacts_are_compared_in_their_order_at_each_contact():
     assert [row.event for row in rows] == [1, 2, 3, 4, 5]
 
 
-def test_an_exported_true_motion_is_the_truth(truth, scales):
-    """Its slip is that of one contact only, so each contact's follows from the poses; 2 ms apart they give 0.5 %."""
-    table = motion_table.parse(truth.to_frame(2001).to_csv(index=False), "motion.csv")
-    result = judged(truth, scales, motion_file.trajectory_of(ROCKING, table))
-    assert result.score.off <= 0.005 and {row.pairing for row in result.ledger} == {"paired"}
-    assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 1e-4
-
-
 def test_a_contact_without_transitions_has_the_mode_of_its_slip():
     """Next to a first contact that rolls one may slip all the time, and next to one that slips one may stick: they had
     the first contact's mode, or slipped backwards."""
@@ -183,13 +148,3 @@ def test_a_contact_without_transitions_has_the_mode_of_its_slip():
     assert [slips.of(name).first_mode for name in "bcd"] == [Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.ROLL]
     smooth = replace(motion, first_mode=Mode.SLIDE)
     assert smooth.of("b").first_mode is Mode.SLIDE
-
-
-def test_slip_is_compared_with_the_fastest_plate():
-    """The first plate rests, another one rolls: its slip had a scale of a rounding, by which every engine was wrong."""
-    effects = (Gravity(9.81), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.0))
-    other = FreePlate(disc(0.1, 1.0), StartPose(1.0, 0.1, vx=1.0, omega=-10.0), "other")
-    case = Case(line(), disc(0.1, 1.0), effects, StartPose(0.0, 0.1), 0.2, others=(other,))
-    truth = reference.simulate(case)
-    for scale in several_contacts.scales(case, truth, truth.transitions, null_motions(case)).values():
-        assert scale.fastest_slip == pytest.approx(1.0)

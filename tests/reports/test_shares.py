@@ -1,12 +1,10 @@
 """The shares of a run's time, by a clock that work alone moves on: which difference is whose, and how often."""
 
-import time
 from math import inf, isnan, nan
 from types import SimpleNamespace
 
 import pytest
 
-import adapters.pymunk as adapter
 import cases
 from adapters import Setting
 from reports.running.timing import time_breakdown
@@ -47,12 +45,6 @@ def test_a_part_is_what_a_run_is_cheaper_by_without_it(watch, monkeypatch):
     assert found.binding == pytest.approx(LEFT["callback"] - LEFT["binding"])
     assert found.callback == pytest.approx(LEFT["notes"] - LEFT["callback"])
     assert found.notes == pytest.approx(1.0 - LEFT["notes"])
-
-
-def test_no_part_takes_less_than_nothing(watch, monkeypatch):
-    dearer = lambda case, route, setting, without: watch.work(RUN * (1.1 if without == "notes" else 0.5))  # noqa: E731
-    found = shares(monkeypatch, watch.engine(0.0, RUN, 0.0, bare_run=dearer))
-    assert found.notes == 0.0 and found.callback == pytest.approx(0.6) and found.binding == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -149,17 +141,3 @@ def test_each_one_s_deadline_is_its_share_of_what_is_left(watch, monkeypatch):
     monkeypatch.setattr(time_breakdown, "parts", lambda one, deadline: given.append(deadline - watch.wall))
     time_breakdown.parts_of_all([contestant(name, 0.01) for name in "abc"], 6.0)
     assert given == pytest.approx([2.0, 3.0, 6.0], rel=1e-6)
-
-
-# --- real engines, by the true clock ----------------------------------------------------------------------------------
-
-
-@pytest.mark.timed
-@pytest.mark.parametrize("route", ["native", "assisted"])
-def test_parts_by_difference_are_the_whole(route):
-    setting = adapter.ladder(CIRCLE, route)[3]
-    output = time_breakdown.parts(Contestant(CIRCLE, "pymunk", route, setting, 0.1), time.perf_counter() + 2.0)
-    assert sum(output) == pytest.approx(1.0, abs=0.1)  # differences of measured times, none below zero
-    # The assisted route's callback is Python of ours and the most of it; the native one has none.
-    assert output.callback > 0.7 if route == "assisted" else output.callback < 0.1
-    assert 0.0 < output.engine < (0.1 if route == "assisted" else 0.7)

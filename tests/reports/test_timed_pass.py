@@ -95,19 +95,6 @@ def test_each_time_is_its_contestant_s_in_every_order_and_from_the_store(measure
     assert times_made == [1, *[0] * (len(times_made) - 1)] and len(times_made) > 10
 
 
-@pytest.mark.parametrize("function", [cold_start.first_calls, time_breakdown.parts_of_all, clock.time_all])
-def test_cases_with_other_engines_are_timed_in_the_same_worker(function, engines, monkeypatch):
-    groups = []
-    whole = CallsHere.each
-    record = lambda *given, group=None, **how: groups.append(group) or whole(*given, group=group, **how)  # noqa: E731
-    monkeypatch.setattr(CallsHere, "each", record)
-    with calls() as made:
-        for solvers in (["reference"], ["pymunk", "reference"], ["exudyn"], ["pymunk@7.0.0"]):
-            who = [one for one in WHO if one.solver in solvers] or [WHO[2]._replace(solver=solvers[0])]
-            timed_pass.together(function, who, 1.0, 1.0, made, "timings")
-    assert groups[0] and groups == [groups[0]] * 3 + ["pymunk@7.0.0"]
-
-
 # --- what is kept under which key -------------------------------------------------------------------------------------
 
 AB = [
@@ -165,30 +152,6 @@ def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(e
     ]  # fmt: skip
 
 
-class Deadly:
-    """Stands for workers: ends whenever one of `deadly` is timed, or more than `most` contestants together."""
-
-    def __init__(self, deadly=(), most=99):
-        self.deadly, self.most = deadly, most
-
-    def run(self, function, arguments, *_):
-        for i, (who, _) in enumerate(arguments):
-            if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
-                yield i, CallResult("died", reason="it ended")
-            else:
-                yield i, CallResult("done", value={one.key: (replace(clock.NO_TIMING, cpu_s=1.0), "") for one in who})
-
-
-@pytest.mark.parametrize(("pool", "lost"), [(Deadly("b"), "b"), (Deadly("bd"), "bd"), (Deadly(most=3), "")])
-def test_a_crash_at_the_clock_costs_nobody_else_a_timing(pool, lost):
-    who = [AB[0]._replace(solver="pymunk" if s in "abc" else "exudyn", setting=Setting.of(s=s)) for s in "abcde"]
-    made = calls()
-    made._pool = pool
-    found, failed = timed_pass.together(clock.time_all, who, 7.0, 10.0, made, "timings")
-    assert [key[3]["s"] for key, why in failed.items() if why == "it ended"] == list(lost)
-    assert [key[3]["s"] for key in found] == [s for s in "abcde" if s not in lost]
-
-
 # --- what is timed ----------------------------------------------------------------------------------------------------
 
 
@@ -230,15 +193,6 @@ def test_a_default_report_times_of_each_family_the_variant_with_most_transitions
     found = experiment(*variants, events={variants[1].label: 3})
     assert timed_pass.cases_to_time(found, full=False) == [variants[1]]
     assert timed_pass.cases_to_time(found, full=True) == variants
-
-
-def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
-    one, two, three = named(3)
-    runs = [run_of(case, rung=r) for case, rungs in ((one, 6), (two, 5), (three, 6)) for r in range(1, rungs + 1)]
-    found = experiment(one, two, three, runs=runs)
-    found.truths[three.label] = Truth(failure="none")
-    assert timed_pass.cases_to_time(found, full=False) == [one]
-    assert timed_pass.cases_to_time(found, full=True) == [one, two]
 
 
 def test_what_could_not_be_timed_is_reported_with_its_reason(engines, monkeypatch):

@@ -62,8 +62,3 @@ def test_every_case_of_the_default_report_has_a_truth_without_heyoka(name, monke
 def test_an_engine_s_worker_writes_no_motion(in_worker, tmp_path):
     assert in_worker("exudyn").status == "completed"
     assert not list(tmp_path.iterdir())
-
-
-def test_a_motion_that_cannot_be_written_is_still_a_motion(in_worker, monkeypatch, tmp_path):
-    monkeypatch.setattr(worker, "pool_folder", tmp_path / "missing")
-    assert in_worker("").status == "completed"

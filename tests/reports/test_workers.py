@@ -23,7 +23,6 @@ from .called import (
     remove_and_fail,
     remove_folder_above,
     reserve,
-    scribble_and_hang,
     whose,
 )
 
@@ -77,11 +76,6 @@ def test_a_call_works_in_an_empty_folder_that_is_gone_afterwards_and_its_output_
     folder, files = answers["work"].value
     assert files in ([], ["output.txt"]) and not Path(folder).exists() and folder != os.getcwd()
     assert answers["work"].output == "said something"
-
-
-def test_arguments_that_cannot_travel_are_an_answer():
-    ((_, answer),) = run(misbehave, [(lambda: None,)])
-    assert answer.outcome == "raised" and "its arguments cannot be pickled" in answer.reason
 
 
 def test_address_space_is_not_bounded():
@@ -154,12 +148,6 @@ def test_the_rest_of_a_call_is_made_where_no_engine_has_run():
     assert sorted(indices) == [0, 1, 2, 3]
     assert [answer.value for _, answer in sorted(calls)][::3] == ["", ""]
     assert [answer.outcome for _, answer in sorted(calls)] == ["done", "raised", "died", "done"]
-
-
-def test_a_call_that_hangs_leaves_no_temporary_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    ((_, answer),) = run(scribble_and_hang, [()], limit=1.0)
-    assert answer.outcome == "timed_out" and list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")

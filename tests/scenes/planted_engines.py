@@ -10,10 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 import reference
-from cases import Case, CoulombFriction, Load, Mode, State, Trajectory, Transition
-from cases.contact import find, slip_velocity, start_motion
+from cases import Case, CoulombFriction, Load, Mode, Trajectory, Transition
 from cases.effects import MOTION
-from cases.motion.mechanics import gravity
 from reports.judging import friction_sensitivity, null_motions
 from reports.judging.friction_factor import friction_factor
 from reports.judging.score import Scale, Score, scale_of, score
@@ -135,42 +133,3 @@ def noisy(truth: Judged, samples: int, noise: float) -> Trajectory:
     random = np.random.default_rng(0)
     moved = {name: getattr(exact, name) + size * random.standard_normal(samples) for name in ("vx", "vy", "slip")}
     return replace(exact, **moved, omega=exact.omega + size / truth.case.plate.reach * random.standard_normal(samples))
-
-
-def semi_implicit_euler(case: Case, steps: int, share: float = 0.99) -> Trajectory:
-    """A disc on its track, stepped as game engines do it: velocities by forces and contact impulses, then poses by the
-    new velocities; the pose is put back on the track.
-
-    `share`: the part of the slip that one step's impulse takes away, where friction may stick; less than 1 leaves a
-    creep, which is not declared."""
-    plate, friction, start = case.plate, case.effect(CoulombFriction), start_motion(case)
-    assert plate.radius is not None and friction is not None
-    h, pull = case.duration / steps, gravity(case)
-    x, y, theta = start.x, start.y, start.theta
-    vx, vy, omega, near = start.vx, start.vy, start.omega, (start.xi1, start.xi2)
-    mobility = 1.0 / plate.mass + plate.radius**2 / plate.inertia  # of the contact point along the tangent, 1/kg
-    rows = []
-    for step in range(steps + 1):
-        contact = find(case, x, y, theta, near)
-        near = (contact.xi1, contact.xi2)
-        nx, ny = (float(part) for part in case.track.normal(contact.xi1))
-        x, y = x - contact.gap * nx, y - contact.gap * ny
-        if step:
-            # The velocity turns with the track before it is recorded: velocities are of the poses' times.
-            outward = vx * nx + vy * ny
-            vx, vy = vx - outward * nx, vy - outward * ny
-        slip = float(slip_velocity(case, x, y, vx, vy, omega, contact.xi1))
-        rows.append((step * h, x, y, theta, vx, vy, omega, slip, np.nan, np.nan, *near))
-        # The track pushes against what gravity and its own curve press.
-        vx, vy = vx + h * pull[0], vy + h * pull[1]
-        ahead = find(case, x + h * vx, y + h * vy, theta + h * omega, near)
-        normal = np.asarray(case.track.normal(ahead.xi1), dtype=float)
-        pressed = max(0.0, -plate.mass * float(np.dot((vx, vy), normal)))
-        vx, vy = vx + pressed / plate.mass * normal[0], vy + pressed / plate.mass * normal[1]
-        now = float(slip_velocity(case, x, y, vx, vy, omega, contact.xi1))
-        impulse = float(np.clip(-share * now / mobility, -friction.mu * pressed, friction.mu * pressed))
-        vx, vy = vx + impulse / plate.mass * ny, vy - impulse / plate.mass * nx  # tangent: the normal turned by -90°
-        omega += impulse * plate.radius / plate.inertia
-        x, y, theta = x + h * vx, y + h * vy, theta + h * omega
-    columns = dict(zip(("t", *State._fields), np.array(rows, dtype=float).T, strict=True))
-    return Trajectory(**columns)
