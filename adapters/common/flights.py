@@ -27,15 +27,16 @@ class Follower:
     """Finds the contact along a motion that begins at the case's start, each from the previous one.
 
     For a plate that may fly the whole track is searched once it is well off it. While it cannot have come back there is
-    no search: the parameters are NaN, and the gap is a lower bound.
+    no search: the parameters are NaN, and the gap is a lower bound. `near`: the largest gap, in sizes of the plate, at
+    which the contact that follows from the last one counts.
     """
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, near: float = NEAR):
         self.case, self.flies = case, case.effect(Flight) is not None
         self._find = finder(case)
         start = start_motion(case)
         self.near, self.theta = (start.xi1, start.xi2), start.theta
-        self.size = case.plate.reach
+        self.size, self.most = case.plate.reach, near * case.plate.reach
         # The pose and gap of the last search in flight.
         self.last_pose: tuple[float, float, float] = (nan, nan, nan)
         self.gap = 0.0
@@ -56,7 +57,7 @@ class Follower:
             return Contact(nan, nan, clearance)
         try:
             contact = self._find(x, y, theta, self.near)
-            if contact.gap <= NEAR * self.size:
+            if contact.gap <= self.most:
                 self.gap = 0.0
                 return self._at(contact)
         except BEYOND:

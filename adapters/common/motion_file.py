@@ -25,8 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, Trajectory, Unilateral
-from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
-from cases.contact.nearest import nearest
+from cases.contact import MotionPoint, in_track_frame, slip_velocity, start_motion
 from cases.motion.mechanics import gravity
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.free_plates import POSE, names_of, plates_of
@@ -35,6 +34,8 @@ from . import feature_contacts, momentum, several_contacts
 from .driven_tracks import by_track
 from .flights import flights
 from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
+from .one_contact import columns_of as contact_columns
+from .one_contact import follow
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -262,21 +263,12 @@ def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple
     `columns` have forces, or velocities (central differences, if `from_differences`) and so the momentum, these decide
     near it.
     """
-    start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * case.plate.reach
-    near, contacts = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
+    flies, off = case.effect(Flight) is not None, LOOSE * case.plate.reach
     poses = in_track_frame(case, columns["t"], *(columns[name] for name in ("x", "y", "theta")))
-    for place, pose in enumerate(zip(*(column.tolist() for column in poses), strict=True)):
-        try:
-            contact: Contact | None = find(case, pose[0], pose[1], pose[2], near)
-        except DoesNotFit:
-            contact = None
-        if flies and (contact is None or contact.gap > off):
-            contact = nearest(case, *pose)
-        if contact is not None:
-            near, contacts[place] = contact[:2], contact
-        elif not flies:
-            break
-    xi1, xi2, gap = contacts.T
+    contacts = np.full((3, len(columns["t"])), np.nan)
+    some = contact_columns(follow(case, np.column_stack(poses), LOOSE)[0])
+    contacts[:, : some.shape[1]] = some
+    xi1, xi2, gap = contacts
     if flies:
         off = max(off, STEADY * _skin(case, columns, gap, from_differences))
         force = columns.get("normal_force")

@@ -15,7 +15,7 @@ import numpy as np
 from cases import Case, Cost, State, Trajectory
 from cases.contact import Contact, slip_velocity
 
-from .flights import BEYOND, LANDING_REASON, Follower, lands_for_good
+from .flights import BEYOND, LANDING_REASON, NEAR, Follower, lands_for_good
 
 # Columns of a row of a trajectory: the forces, and all that only a contact has.
 FORCES, TOUCH = slice(8, 10), slice(7, 12)
@@ -34,9 +34,9 @@ class ContactAlong(NamedTuple):
     failure: str | None = None
 
 
-def follow(case: Case, poses: np.ndarray) -> tuple[list[Contact], str | None]:
-    """The contacts of the poses (n, 3), up to the first pose without one, and why it has none."""
-    follower, contacts = Follower(case), list[Contact]()
+def follow(case: Case, poses: np.ndarray, near: float = NEAR) -> tuple[list[Contact], str | None]:
+    """The contacts of the poses (n, 3), up to the first pose without one, and why it has none; `near` as `Follower`."""
+    follower, contacts = Follower(case, near), list[Contact]()
     try:
         for row in poses.tolist():
             contacts.append(follower(*row))
