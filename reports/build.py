@@ -100,7 +100,6 @@ def _build(plan: BuildPlan) -> int:
     from .running.timing.phase_times import PhaseTimes
 
     times = PhaseTimes()  # first, so that imports and installations count
-    from .drawing.figure_files import for_print
     from .page import report_folder
     from .page.text import lost_text
     from .running import cluster, external_motions, versions
@@ -129,7 +128,7 @@ def _build(plan: BuildPlan) -> int:
             costs = _measure(plan, local_runs, calls)
             study_results = _study(plan, calls)
             experiment = external_motions.join_external(local_runs, plan.trajectories)
-            with report_folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
+            with report_folder.of_report(plan.out).staging(whole=True) as place:
                 verdicts, pair_rows = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
@@ -275,7 +274,7 @@ def _write(
     table_files.write(output, place / "tables", command)
     calls.times.book("tables")
     figures = place / "figures"
-    entries = pictures.draw(experiment, figures, calls)
+    entries = pictures.draw(experiment, figures, calls, plan.paper)
     for figure in entries:
         embed_command(figures, figure, html.command_of(figure.case, facts))
     moving = motions.motions(experiment)

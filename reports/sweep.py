@@ -31,10 +31,7 @@ def main(arguments: Namespace, words: list[str]) -> None:
         raise BadValue(f"a sweep runs the installed engines, not {with_version}; reports.build compares versions")
     jobs = options.whole_jobs(arguments.jobs)
     width = None if arguments.refine is None else _width(arguments.refine, plan)
-    from .drawing.figure_files import for_print
-
-    with for_print(arguments.paper):
-        _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
+    _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
 
 
 def _plan(arguments, case: str, files: Sequence[str]):
@@ -97,7 +94,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
         counts = map_figures.counts(folder)
         with folder.staging() as place:
-            pictures = [*map_figures.draw(plan, folder, place, engines, edges)]
+            pictures = [*map_figures.draw(plan, folder, place, engines, edges, arguments.paper)]
             for figure in pictures:
                 embed_command(place, figure, command)
     for figure in pictures:

@@ -6,9 +6,7 @@ Matplotlib is imported only when a figure is made, so that a command without fig
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from io import BytesIO
@@ -17,9 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-# Whether figures are also written as PDF: set once by a command, for all its figures.
-_WRITES_PDF = ContextVar("printed", default=False)
 
 # File systems limit names to 255 bytes; a figure's name also has a prefix for its kind.
 _READABLE_BYTES, _DIGITS = 150, 8
@@ -49,37 +44,29 @@ def short_digest(label: str) -> str:
     return hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()[:_DIGITS]
 
 
-@contextmanager
-def for_print(also_pdf: bool = True) -> Iterator[None]:
-    """A context in which figures are also written as PDF, if `also_pdf`."""
-    before = _WRITES_PDF.set(also_pdf)
-    try:
-        yield
-    finally:
-        _WRITES_PDF.reset(before)
-
-
-def writes_pdf() -> bool:
-    """Whether figures are also written as PDF; code that draws in another process must pass this on."""
-    return _WRITES_PDF.get()
+def file_kinds(paper: bool) -> tuple[str, ...]:
+    """The kinds of a figure's files: SVG and PNG, and for `paper` PDF."""
+    return ("svg", "png", "pdf") if paper else ("svg", "png")
 
 
 def save(
-    figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False
+    figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, kinds: Sequence[str] = ("svg",)
 ) -> FigureEntry:
-    """Write NAME.svg to the folder (and NAME.png; inside `for_print` also NAME.pdf) and close the figure."""
+    """Write NAME.svg to the folder, or files of these `kinds`, and close the figure."""
     from matplotlib import pyplot as plt
 
     from .style import STYLE
 
-    kinds: dict[str, dict[str, Any]] = {"svg": {"metadata": {"Date": None, "Creator": None}}}
-    kinds |= {"png": {"dpi": 160}} if png else {}
-    kinds |= {"pdf": {"metadata": {"CreationDate": None, "Title": title}}} if writes_pdf() else {}
+    how: dict[str, dict[str, Any]] = {
+        "svg": {"metadata": {"Date": None, "Creator": None}},
+        "png": {"dpi": 160},
+        "pdf": {"metadata": {"CreationDate": None, "Title": title}},
+    }
     # Whether text stays text is decided when a file is written, which may be after the figure's own style has ended.
     with plt.rc_context(STYLE):
-        for kind, how in kinds.items():
+        for kind in kinds:
             content = BytesIO()
-            figure.savefig(content, format=kind, bbox_inches="tight", **how)
+            figure.savefig(content, format=kind, bbox_inches="tight", **how[kind])
             (folder / f"{name}.{kind}").write_bytes(_with_palette(content) if kind == "png" else content.getvalue())
     plt.close(figure)
     return FigureEntry(name, case, title, caption)

@@ -8,7 +8,7 @@ from pathlib import Path
 from adapters.processes.worker import settle
 from cases import Case
 
-from ..drawing.figure_files import FigureEntry, for_print, writes_pdf
+from ..drawing.figure_files import FigureEntry
 from ..running.calls import Calls
 from ..running.ladder_selection import PAPER_CASE
 from ..running.records import Experiment, usable
@@ -18,16 +18,16 @@ _PATIENCE = 300.0
 HEADLINE = "headline"
 
 
-def draw(experiment: Experiment, folder: Path, calls: Calls) -> list[FigureEntry]:
-    """Write the headline to the folder, in a worker. If it fails its entry has the reason: a failed picture must not
-    discard hours of runs. No entry without a case that has a transition."""
+def draw(experiment: Experiment, folder: Path, calls: Calls, paper: bool) -> list[FigureEntry]:
+    """Write the headline to the folder, in a worker; `paper`: also as PDF. If it fails its entry has the reason: a
+    failed picture must not discard hours of runs. No entry without a case that has a transition."""
     folder.mkdir(parents=True, exist_ok=True)
     case = headline_case(experiment)
     if case is None:
         return []
     runs = tuple(replace(run, samples={}) for run in experiment.runs if run.case == case.label)
     sample = replace(experiment, cases=(case,), truths={case.label: experiment.truths[case.label]}, runs=runs)
-    (answer,) = calls.all("figures", draw_headline, [(sample, folder, writes_pdf())], limit=_PATIENCE, group="")
+    (answer,) = calls.all("figures", draw_headline, [(sample, folder, paper)], limit=_PATIENCE, group="")
     if answer.outcome == "done":
         return [answer.value]
     return [FigureEntry("", case.label, "Picture", f"It could not be drawn: {answer.failure[1]}")]
@@ -56,10 +56,10 @@ def draw_headline(experiment: Experiment, folder: Path, paper: bool) -> FigureEn
     from cases.pictures.style import apply_style
 
     from ..drawing import figures, matplotlib_writer
-    from ..drawing.figure_files import save
+    from ..drawing.figure_files import file_kinds, save
 
     (case,) = experiment.cases
     diagram = figures.headline(experiment, case)
-    with for_print(paper), apply_style():
+    with apply_style():
         picture = matplotlib_writer.draw(diagram, figures.looks_of(experiment))
-        return save(picture, folder, HEADLINE, case.label, diagram.title, diagram.caption, png=True)
+        return save(picture, folder, HEADLINE, case.label, diagram.title, diagram.caption, file_kinds(paper))

@@ -23,7 +23,7 @@ from reference.sweeping import Plan
 from reference.sweeping.table import ARROW, BAD, FAILED
 
 from ..drawing.colours import GRADES
-from ..drawing.figure_files import FigureEntry, save
+from ..drawing.figure_files import FigureEntry, file_kinds, save
 from ..drawing.style import AREAS, STYLE
 from . import boundaries
 from .computation import ROWS
@@ -76,19 +76,21 @@ def counts(folder: Folder) -> Counter[str]:
 
 
 def draw(
-    plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None
+    plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None, paper: bool = False
 ) -> Iterator[FigureEntry]:
-    """Write the figures of a sweep to the folder `place`; `engines`: kinds of rows and their titles."""
+    """Write the figures of a sweep to the folder `place`; `engines`: kinds of rows and their titles; `paper`: also as
+    PDF."""
+    files = file_kinds(paper)
     if len(plan.axes) == 1:
-        yield save(_curve(plan, folder), place, "map", "", f"{plan.name} over {plan.axes[0].name}", "", png=True)
+        yield save(_curve(plan, folder), place, "map", "", f"{plan.name} over {plan.axes[0].name}", "", files)
         return
     how = _caption(plan)
     figure = of_reference(plan, folder, edges)
     caption = f"Lines: time of the first transition, s. {how}"
-    yield save(figure, place, "map", "", f"Map of outcomes: {plan.name}", caption, png=True)
+    yield save(figure, place, "map", "", f"Map of outcomes: {plan.name}", caption, files)
     for rows, title in engines.items():
         figure = of_engine(plan, folder, rows, title)
-        yield save(figure, place, f"map_{rows}", "", f"{title}: grades and errors", how, png=True)
+        yield save(figure, place, f"map_{rows}", "", f"{title}: grades and errors", how, files)
 
 
 def of_reference(plan: Plan, folder: Folder, edges: Any = None) -> Figure:
