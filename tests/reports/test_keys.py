@@ -208,7 +208,7 @@ def import_graph() -> dict[str, set[str]]:
     graph = {name: imported(path) & known.keys() - {name} for name, path in known.items()}
     graph["adapters.lookup"] -= {"adapters.by_process"}
     for name in known:
-        if name.startswith("cases.") and not name.startswith("cases.pictures"):
+        if name.startswith(("cases.", "reference.")) and not name.startswith("cases.pictures"):
             graph[name] = {other for other in graph[name] if not other.startswith("cases.pictures")}
     return graph
 
