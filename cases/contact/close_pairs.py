@@ -112,7 +112,7 @@ def close_pairs(track: Piece, outline: Piece, pose: Pose, most: float | None = N
         rounding = ROUNDING * (abs(pose[0]) + abs(pose[1]) + reach + bounds.apart.min())
         best = min(best, float(bounds.apart.min()))
         # A point of the outline that is farther behind the track than it is wide has a nearer one in front.
-        limit, deepest = (best, best + 2.0 * reach) if most is None else (most, inf)
+        limit, deepest = best if most is None else most, best + 2.0 * reach
         rest = np.flatnonzero(bounds.possible & ~(bounds.low > limit + rounding) & ~(bounds.high < -deepest))
         rest = rest[np.argsort(bounds.low[rest], kind="stable")]
         complete, is_crowded = np.zeros(len(rest), dtype=bool), len(rest) > MOST_BOXES

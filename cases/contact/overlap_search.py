@@ -19,6 +19,7 @@ from ..curves.chain import Chain
 from ..curves.outline import sizes_of
 from ..formulas.features import union
 from .close_pairs import nearest_on
+from .element_pairs import nearest_on_elements
 from .geometry import Contact
 from .nearest import nearest_pair
 
@@ -132,9 +133,9 @@ def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: flo
     """
     if isinstance(track, Chain) or isinstance(outline, Chain) or not outline.period:
         return None
-    contact = nearest_pair(track, outline, x, y, theta)
     rounding = ROUNDING * (abs(x) + abs(y) + sizes_of(outline).reach)
-    return contact if contact is not None and contact.gap < -rounding else None
+    some = nearest_on_elements(track, outline, x, y, theta, -rounding)
+    return some[0] if some and some[0].gap < -rounding else None
 
 
 def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:

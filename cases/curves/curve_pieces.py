@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..formulas.features import union
 from ..formulas.intervals import Interval, bounds
 from . import Curve
 
@@ -71,7 +72,7 @@ class Pieces:
         first = self._halves[some]
         missing = first < 0
         if missing.any():
-            whole = np.unique(some[missing])
+            whole = union(some[missing])
             if self._count + 2 * len(whole) > MOST_PIECES:
                 raise TooMuch
             low, high = self._table[LOW, whole], self._table[HIGH, whole]
