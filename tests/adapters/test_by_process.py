@@ -115,6 +115,21 @@ def test_the_start_in_flight_is_null_where_it_has_no_value():
     assert {name for name, value in sent["start"].items() if value is None} == lost
 
 
+def test_the_fixed_bodies_of_a_scene_are_lines_discs_and_facets_at_the_curve_s_mean_distance():
+    def kinds(label: str) -> list[tuple[str, str]]:
+        return [(one["name"], one["kind"]) for one in by_process.scene(cases.load(label))["solids"]]
+
+    assert kinds("disc_on_line") == [("track", "line")] and kinds("disc_rolling_off_hill") == [("track", "disc")]
+    assert kinds("disc_spinning_in_v") == [("track", "line"), ("right", "line")]
+    (bowl,) = by_process.scene(cases.load("disc_in_circle"), facets=64)["solids"]
+    x, y = np.array(bowl["x"]), np.array(bowl["y"])
+    assert bowl["kind"] == "chain" and bowl["closed"] and len(x) == 65
+    # Along each facet, evenly: its sagitta alone would be 1.2e-3 of the radius at its middle, 8e-4 in the mean.
+    share = (np.arange(100) + 0.5) / 100
+    along = np.hypot(*(np.outer(1 - share, v[:-1]) + np.outer(share, v[1:]) for v in (x, y)))
+    assert np.mean(along) == pytest.approx(1.0, abs=2e-6) and np.ptp(along) > 1e-3
+
+
 @pytest.mark.parametrize("name", ["disc_in_circle", "tumbling_ellipse"])
 def test_geometry_for_other_programs_is_where_the_curves_are(name):
     case = cases.load(name)
