@@ -22,14 +22,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from tabulate import tabulate
-
 import cases
-from adapters.by_process.scene_file import as_json, formula, scene
 from cases import BadValue
 from cases.files import user_files
 from cases.files.owned_folder import atomic_path, check_new
-from cases.scene.free_plates import POSE, names_of, plates_of, start_poses
 
 from . import options
 from .deposit import entry
@@ -85,6 +81,8 @@ def name_of(label: str) -> str:
 def pack(archive: Path, labels: Sequence[str] = SCENES, replace: bool = False) -> Path:
     """Write the archive of the scenes with these labels; returns its path. Raises CaseError for an unknown one, and
     FileExistsError if the archive exists and may not be replaced."""
+    from adapters.by_process.scene_file import as_json, scene
+
     truths = [_certified(label) for label in labels]
     files = {
         "README.md": _WORDS.format(version=cases.__version__, count=len(truths)),
@@ -197,6 +195,8 @@ _FRAME = (
 
 
 def _section(one: _Certified) -> str:
+    from tabulate import tabulate
+
     rows = [
         (contact, before, after, repr(time.value), f"{time.bar:.1e}", kind)
         for (contact, before, after, time), kind in zip(one.transitions(), one.truth.kinds, strict=True)
@@ -210,6 +210,8 @@ def _section(one: _Certified) -> str:
 
 def _stated(case: Case) -> Iterator[tuple[str, str]]:
     """What defines a scene, in words and formulas."""
+    from cases.scene.free_plates import POSE, names_of, plates_of, start_poses
+
     yield "track", _curve(case.track)
     for support in case.supports:
         yield f"support {support.name}", f"{_curve(support.curve)}; {_effects(support.acting(case.effects))}"
@@ -223,6 +225,8 @@ def _stated(case: Case) -> Iterator[tuple[str, str]]:
 
 def _curve(curve: Any) -> str:
     """A curve by its formulas, or through its corners and joints."""
+    from adapters.by_process.scene_file import formula
+
     expression = formula(curve)
     if expression is not None:
         return f"x = {expression[0]}, y = {expression[1]}"
