@@ -13,8 +13,11 @@ import numpy as np
 
 from cases import Case, DoesNotFit
 from cases.contact import Contact
+from cases.contact.close_pairs import nearest_on
 from cases.contact.nearest import contacts
+from cases.contact.overlap_search import polygon_of
 from cases.contact.piece_contact import Entry, excludes_second, find_from, piece_gap
+from cases.curves.corner import Corner
 from cases.curves.outline import sizes_of
 
 from .pairs import Touch, in_round
@@ -43,6 +46,9 @@ class ChainTouches:
 
     def __init__(self, case: Case, xi1: float):
         self.case, self.size = case, sizes_of(case.plate.outline).width
+        corners = [element for element in case.track.elements if isinstance(element.piece, Corner)]
+        self.corners = [element.middle + element.shift for element in corners]
+        self.points = np.array([(e.piece.x, e.piece.y) for e in corners if isinstance(e.piece, Corner)]).T
         self.passing = False  # a plate is not stopped by the ends of an open track, and overlaps it while it passes one
 
     def first(self, motion: Motion, ends: tuple[float, float], places: Places, closed: bool) -> Touch | None:
@@ -76,11 +82,22 @@ class ChainTouches:
         place where the plate is inside its track, or None."""
         track, deep = self.case.track, DEPTH * self.size
         own = [track.point(xi1) for xi1 in places(np.array([t]))[:, 0, 0].tolist()]
-        every = contacts(track, self.case.plate.outline, *pose(t))
+        every = contacts(track, self.case.plate.outline, *pose(t)) + self._corners_inside(*pose(t))
         apart = [one for one in every if all(np.hypot(*(track.point(one.xi1) - place)) > deep for place in own)]
         away = min((one.gap for one in apart), default=0.0)
         least = min(apart, key=lambda one: one.gap, default=None)
         return min(away, FARTHEST * self.size) if own else away, least if away < -deep else None
+
+    def _corners_inside(self, x: float, y: float, theta: float) -> list[Contact]:
+        """Corners of the track inside the plate: one that meets a corner of the plate has no other nearest points."""
+        if not self.corners:
+            return []
+        outline, (px, py), c, s = self.case.plate.outline, self.points, np.cos(theta), np.sin(theta)
+        u, v, results = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x), list[Contact]()
+        for k in np.flatnonzero(polygon_of(outline).holds(u, v)).tolist():
+            xi2 = nearest_on(outline, float(u[k]), float(v[k]))
+            results.append(Contact(self.corners[k], xi2, -float(np.hypot(*(outline.point(xi2) - (u[k], v[k]))))))
+        return results
 
     def _touch(
         self, motion: Motion, pose: Pose, entry: Contact, times: tuple[float, float], places: Places
@@ -101,7 +118,9 @@ class ChainTouches:
         body = motion.bodies(np.array([time]))[:, 0].tolist()
         try:
             xi1, xi2, _ = find_from(track, outline, body[0], body[1], body[2], pair)
-        except DoesNotFit:  # a corner on a corner
+            if all(isinstance(e.piece, Corner) for e in (track.element_at(xi1), outline.element_at(xi2))):
+                raise DoesNotFit("a corner on a corner")
+        except DoesNotFit:
             return Touch(time, body, np.nan, np.nan, 0.0)
         if track.ends and not track.ends[0] <= xi1 <= track.ends[1]:
             return None
