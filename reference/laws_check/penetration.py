@@ -104,12 +104,14 @@ def _in_curve(
             return
         number, xi1 = first + overlap[0], overlap[1]
         pose = float(x[number]), float(y[number]), float(theta[number])
-        # The nearest points, or as deep as the track's point is inside: a narrow ripple may have none of these.
-        u, v = curve.point(xi1)
-        own = (complex(u, v) - complex(pose[0], pose[1])) * np.exp(-1j * pose[2])
         gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
-        gaps.append(-float(np.abs(distance(np.array([own]), corners)).min()))
-        yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
+        if min(gaps, default=0.0) >= 0.0 and not isinstance(curve, Chain):  # as of a ripple narrower than it is deep
+            there = curve.point(np.array([xi1, *(curve.ends or ())]))
+            own = (there[0] + 1j * there[1] - complex(pose[0], pose[1])) * np.exp(-1j * pose[2])
+            depth, *of_ends = -distance(own, corners)
+            gaps += [] if any(deep > 0.0 for deep in of_ends) else [-abs(depth)]  # passing an end is no overlap
+        if gaps:
+            yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
         first = number + 1
         if first >= len(x):
             return
