@@ -22,14 +22,13 @@ from .effect_laws.own_forces import OWN_END, own_guard
 from .minimal import modes
 from .minimal.assembly import PAINLEVE_LEAST
 from .minimal.integrators.segment import Segment
-from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
+from .minimal.modes import SLIP_SIGN, Phase, full_state
 from .minimal.system import System
 from .paper.augmented import (
     AugmentedSystem,
     Solution,
     condition,
     fill,
-    flight_acceleration,
     parameter_accelerations,
     solution,
     uniqueness,
@@ -82,8 +81,6 @@ class LiteralSystem:
 
     def rates_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
-        if self.regime == FLIGHT:
-            return [*y[3:], *flight_acceleration(self.case, t, y)]
         if len(y) == self.positions and not laws(self.case).belt.runs:
             return [0.0] * len(y)  # at rest all rates are zero, whatever the forces
         try:
@@ -193,7 +190,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, original: Case
     `original` in the fixed frame, if the phase is one of `relative_case(original)`."""
     from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
 
-    return dop853.integrate(_with_matrix(phase, original), t, y, end, rtol)
+    # In flight there is no contact, and (16) and (19) alone are no matrix.
+    return dop853.integrate(phase if phase.flies else _with_matrix(phase, original), t, y, end, rtol)
 
 
 class _LiteralPhase(Phase):
@@ -216,7 +214,7 @@ def warning(segments: Sequence[Segment]) -> str:
     worst, when = 0.0, 0.0
     for segment in segments:
         system: object = segment.phase.system
-        if not isinstance(system, LiteralSystem) or segment.phase.regime == FLIGHT:
+        if not isinstance(system, LiteralSystem):
             continue
         for t, y in zip(segment.times.tolist(), segment.states(segment.times).T.tolist(), strict=True):
             now = condition(system.case, system.system_at(t, y))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import ceil, frexp, ldexp, log10, sqrt
 from typing import Any, Protocol
 
@@ -145,7 +146,8 @@ ROUGH = 1e-9
 IDLE = 4
 
 
-def error_range(error: float) -> list[float]:
+@lru_cache(maxsize=64)
+def error_range(error: float) -> tuple[float, ...]:
     """Relative errors from an event's to that of the motion, by powers of ten."""
     count = 1 + ceil(log10(max(error, LOCATION_ERROR) / LOCATION_ERROR))
-    return np.geomspace(LOCATION_ERROR, max(error, LOCATION_ERROR), count).tolist()
+    return tuple(np.geomspace(LOCATION_ERROR, max(error, LOCATION_ERROR), count).tolist())

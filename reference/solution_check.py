@@ -23,7 +23,7 @@ from .laws_check.automatic_check import faults_at
 from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
 from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment
-from .minimal.modes import FLIGHT, Phase
+from .minimal.modes import Phase
 from .solver.regimes import SolverPhase
 from .solver.system import COLUMNS
 
@@ -66,9 +66,6 @@ def _of_phase(case: Case, number: int, segment: Segment, inside: bool) -> PhaseI
         contacts = _several_contacts(case, phase, instants)
         belts = [abs(law.belt.at(t)[0]) for law, *_ in contacts[0] if law.belt is not None for t in times]
         return PhaseInstants(number, times, every, contacts, belt=max(belts, default=0.0))
-    if phase.regime == FLIGHT:
-        flight = [(_plate(*y[:6]),) for _, y in instants]
-        return PhaseInstants(number, [t for t, _ in instants], flight, [[] for _ in instants])
     return _one_contact(case, number, phase, instants)
 
 

@@ -34,7 +34,6 @@ from .minimal.decision import Undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment
 from .minimal.modes import (
-    FLIGHT,
     Phase,
     Regime,
     candidates,
@@ -174,7 +173,7 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
     if method == "augmented" and relative is not case:
         integrate = partial(augmented_integrator.integrate, original=case)
     regime = None
-    if solver.begins_alone(relative):
+    if solver.begins_alone(relative) and relative.start.in_contact:
         with suppress(Undecidable):  # the motion ends with that
             regime = first_regime(relative, start_state(relative))
     solve = partial(solve_motion, relative, rtol, integrate, regime, case)
@@ -215,8 +214,8 @@ def as_trajectory(
     contacts = None
     if case.others or any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
         contacts = solver.AllContacts(case, segments, transitions)
-        if contacts.names == (CONTACT,) and solver.begins_alone(case):  # the only one has no name
-            contacts, transitions = None, [replace(change, contact="") for change in transitions]
+    if solver.begins_alone(case) and (contacts is None or contacts.names == (CONTACT,)):  # the only one has no name
+        contacts, transitions = None, [replace(change, contact="") for change in transitions]
     warning = augmented_integrator.warning(segments)
     reason = f"{reason} {warning}" if warning else reason
     return _trajectory(case, segments, transitions, status, reason, cost, contacts)
@@ -273,7 +272,7 @@ def passages(segments: list[Segment]) -> tuple[Passage, ...]:
         before, after = last.phase.case, segment.phase.case
         if not isinstance(before, PieceCase) or not isinstance(after, PieceCase):
             continue
-        if before != after and FLIGHT not in (last.phase.regime, segment.phase.regime):
+        if before != after:
             xi1, xi2 = after.to_whole(*segment.states(np.array([segment.start]))[:2, 0].tolist())
             result += _passages_between(before, after, segment.start, xi1, xi2)
     return tuple(result)

@@ -67,9 +67,9 @@ def _sum(loads: Sequence[Weight | AppliedLoad]) -> tuple[Node, Node, Node]:
     return fx, fy, moment
 
 
-def effects_in_time(case: Case, in_contact: bool = True) -> tuple[Load | Belt, ...]:
-    """The effects whose features in time no step may pass over: the load and, in contact, the belt."""
-    every = case.effect(Load), case.effect(Belt) if in_contact else None
+def effects_in_time(case: Case) -> tuple[Load | Belt, ...]:
+    """The effects whose features in time no step may pass over: the load and the belt."""
+    every = case.effect(Load), case.effect(Belt)
     return tuple(effect for effect in every if effect is not None)
 
 

@@ -75,11 +75,6 @@ def contact_system(
     return _in_contact(structure(track), structure(outline), ends, law, kind, vanishing)
 
 
-def flight_system(case: Case) -> System:
-    """The equations of free flight: M q̈₁ = F, (16) and (19) without a multiplier."""
-    return _in_flight(laws(case))
-
-
 @lru_cache(maxsize=256)
 @in_one_thread
 def _in_contact(track, outline, ends: tuple[str, ...], law: Laws, kind: Kind, vanishing: tuple[str, ...]) -> System:
@@ -191,20 +186,6 @@ def _at_contact(force: Torsor, h: Frame, law: Laws, slip: Node, omega: Node) -> 
         moment = force.moment + h.ht * across - h.hn * along + couple
         force = Torsor(force.t + along, force.n + across, moment)
     return force
-
-
-@lru_cache(maxsize=64)
-@in_one_thread
-def _in_flight(law: Laws) -> System:
-    return System(_flight_equations(law))
-
-
-def _flight_equations(law: Laws) -> Equations:
-    _, x, y, theta, vx, vy, omega = _MOTION
-    fx, fy, moment = law.torsor
-    nothing = Elimination(*(ZERO for _ in Elimination._fields))
-    rates = (vx, vy, omega, fx, fy, ZERO if law.resistance.is_fixed else moment / GYRATION)
-    return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
 # Guards at the ends of a piece: whether it is the track's, and which way the contact leaves it.

@@ -16,19 +16,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
-from typing import NamedTuple
+from math import inf
 
 import numpy as np
 
-from cases import Case
-from cases.contact import pose
-
 from ..scales import EPS
-from .impact import ContactVelocity
 from .integrators.segment import Event, Segment
-from .landing import Landing
-from .modes import Phase, in_flight
+from .modes import Phase
 
 # At most this many impacts are used for a limit, each with at most half the speed of the one before: a polynomial
 # through points that are closer together would amplify their rounding.
@@ -52,116 +46,6 @@ def is_unresolved(lift: float, pull: float, far: float) -> bool:
     """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than positions'
     rounding, of a plate at and of that size (m)."""
     return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * far
-
-
-class _Bounce(NamedTuple):
-    landing: Landing
-    after: ContactVelocity
-    pull: float  # acceleration towards the track, m/s²
-    natural: float  # s
-    remaining: float  # estimated time until the limit, s
-
-
-class Bounces:
-    """The impacts of one motion so far."""
-
-    def __init__(self, case: Case):
-        self.case = case
-        self.size = case.plate.gyration
-        self.last: _Bounce | None = None
-        self.ratio = inf
-        self.some: list[_Bounce] = []  # bounces that count, with well separated speeds
-        self.struck = -inf  # time of the last impact, s
-        self.greatest = 0.0  # greatest closing speed since the plate last lay on its track, m/s
-
-    def strike(self, since: float, landing: Landing) -> bool:
-        """Record an impact that ends a flight begun at `since`; returns whether it is listed if the plate flies on."""
-        closing = -landing.touch.lift
-        if since > self.struck:  # the plate has lain on its track meanwhile
-            self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
-        self.struck, self.greatest = landing.time, max(self.greatest, closing)
-        return closing >= LISTING_PART * self.greatest
-
-    def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
-        """Record the velocities after the last impact, with lift > 0, and the acceleration of the plate towards its
-        track by gravity and load, m/s² (away from it if not positive)."""
-        closing = -landing.touch.lift
-        ratio = after.lift / closing if closing > 0.0 else inf
-        natural = self._natural(landing, after, pull)
-        remaining = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
-        self.last = _Bounce(landing, after, pull, natural, remaining)
-        if not remaining <= SMALL * natural or abs(ratio - self.ratio) > SMALL:
-            self.some.clear()
-        if remaining <= SMALL * natural and (not self.some or after.lift <= APART * self.some[-1].after.lift):
-            self.some = [*self.some[1 - MOST :], self.last]
-        self.ratio = ratio
-
-    def no_rebound(self) -> None:
-        """Record an impact without lift: later rebounds do not continue the present sequence."""
-        self.last, self.some, self.ratio = None, [], inf
-
-    def _natural(self, landing: Landing, after: ContactVelocity, pull: float) -> float:
-        """The shortest of the times in which the plate falls through its size, turns by a radian, the pull changes
-        (after a lift-off it grows from nothing), and the contact passes an oscillation of track or outline."""
-        if not pull > 0.0:
-            return inf
-        times = [sqrt(self.size / pull), 1.0 / abs(after.omega) if after.omega else inf]
-        if self.last:
-            last, since = self.last.landing, landing.time - self.last.landing.time
-            changes = [(pull, abs(pull - self.last.pull))]
-            places = (self.case.track, landing.xi1, last.xi1), (self.case.plate.outline, landing.xi2, last.xi2)
-            changes += [
-                (2.0 * curve.features.piece_length(at), abs(at - before))  # a piece is half an oscillation, or less
-                for curve, at, before in places
-                if curve.features
-            ]
-            times += [size * since / change for size, change in changes if change]
-        return min(times)
-
-    def limit(self, is_unresolved: bool = False) -> Landing | None:
-        """The limit, without lift, if there are enough impacts to compute it to rounding; else None.
-
-        `is_unresolved`: the last rebound is no higher than rounding, so further impacts would not improve the limit.
-        """
-        if self.last is None or not self.some:
-            return None
-        some = self.some
-        if is_unresolved and some[-1] is not self.last:
-            some = [*some[:-1], self.last]
-        if len(some) < (2 if is_unresolved else 3) or some[-1] is not self.last:
-            return None
-        landing, after, _, natural, _ = self.last
-        speeds = [b.after.lift for b in some]
-        rows = [(b.landing.time + b.remaining, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in some]
-        limits = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
-        time, xi1, xi2, slip, omega = (value for value, _ in limits)
-        # A length that the motion covers in the natural time is as small as that.
-        speeds = [float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
-        lengths = [self.size / speed if speed else 1.0 for speed in speeds]  # a corner's parameter is an angle
-        scales = (natural, *lengths, self.size / natural, 1.0 / natural)
-        agree = all(
-            spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
-            for (value, spread), scale in zip(limits, scales, strict=True)
-        )
-        # A slip that vanishes with the rebounds has a multiplier of its own, so that everything is a function of u and
-        # of a power of u that is no whole number: a polynomial's theoretical error does not hold.
-        vanishes = abs(slip) < SMALL * abs(after.slip)
-        error = inf if vanishes else np.prod([b.remaining / b.natural for b in some])
-        if not (agree or is_unresolved) and error > NEGLIGIBLE:
-            return None
-        # A slip or rotation that ended in the impacts is also zero at the limit.
-        touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
-        return Landing(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
-
-    def settling(self, flight: Phase, limit: Landing) -> Segment:
-        """The segment between the last simulated impact and the limit: too short to show a flight."""
-        assert self.last is not None
-        landing, after = self.last.landing, self.last.after
-        first, last = (
-            tuple(map(float, in_flight(self.case, at.time, (at.xi1, at.xi2), touch.slip, touch.omega, touch.lift)))
-            for at, touch in ((landing, after), (limit, limit.touch))
-        )
-        return straight(flight, landing.time, limit.time, first, last)
 
 
 def straight(phase: Phase, start: float, end: float, first: tuple[float, ...], last: tuple[float, ...]) -> Segment:

@@ -69,7 +69,6 @@ class Step(NamedTuple):
     state: tuple[float, ...] = ()
     regime: Regime | None = None
     ending: Ending = COMPLETION
-    is_listed: bool = True  # whether an impact between two flights is listed
     pieces: PieceCase | None = None  # those that the contact passes to
 
 
@@ -130,7 +129,7 @@ def _beyond_knot(case: Case, segment: Segment, y: tuple[float, ...]) -> Step | N
     m = Elimination(*now.system.outputs_of_numbers(t, segment.event.state, now.parameters))
     touch = ContactVelocity(m.slip, 0.0, m.omega)
     theta = y[4] if len(y) > 4 else np.nan
-    return contact_step(case, (segment,), t, (y[0], y[1]), theta, touch, guard, True)
+    return contact_step(case, (segment,), t, (y[0], y[1]), theta, touch, guard)
 
 
 def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], guard: str) -> Step:
@@ -325,9 +324,7 @@ def own_lift(case: Case, t: float, y: Sequence[float]) -> float:
     return across / case.plate.mass + arm_t * (arm_t * across - arm_n * along + couple) / case.plate.inertia
 
 
-def contact_step(
-    case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, is_listed: bool
-) -> Step:
+def contact_step(case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str) -> Step:
     """The step of a contact that neither opens nor closes: the mode that follows, or else flight."""
     y = in_contact(case, t, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, t, y, touch.slip, touch.omega, LOCATION_ERROR)
@@ -339,4 +336,4 @@ def contact_step(
         following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
     if following:
         return Step(segments, t, place, cause, y, following)
-    return leave(case, segments, t, y, cause)._replace(is_listed=is_listed)
+    return leave(case, segments, t, y, cause)

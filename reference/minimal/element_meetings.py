@@ -7,18 +7,19 @@ track like a disc of radius zero; a corner of the track moves, as the plate sees
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache
+from math import floor, pi
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Curve
+from cases import Case, Curve
 from cases.contact.geometry import angle_on
 from cases.curves.corner import Corner
 from cases.curves.curve_pieces import Pieces, ReversedPieces
 from cases.scene.piece_case import PieceCase
 
 from .boxes import Cores, Geometry
-from .gap import facing
 from .meetings import Meeting, MeetingSearch
 from .windows import DEGREE, Windows, windows
 
@@ -124,6 +125,22 @@ def _within(corner: Corner, angle: float) -> float:
     """The parameter of a corner at which its tangent has a direction, inside its range."""
     low, high = corner.span
     return min(max(angle_on(corner, angle, 0.5 * (low + high)), low), high)
+
+
+def facing(case: Case, xi1: float, theta: float) -> float:
+    """Roughly the parameter of a convex outline whose tangent is parallel to the track's at `xi1`."""
+    parameters, angles = _angles(case.plate.outline)
+    angle = float(case.track.tangent_angle(xi1)) - theta
+    if case.plate.outline.period:
+        angle -= 2.0 * pi * floor((angle - angles[0]) / (2.0 * pi))
+    return float(np.interp(angle, angles, parameters))
+
+
+@lru_cache(maxsize=64)
+def _angles(outline: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters of a convex outline and its tangent's angles there, which rise."""
+    parameters = np.linspace(*outline.span, 721)
+    return parameters, np.asarray(outline.tangent_angle(parameters))
 
 
 def fine(poses: Poses, edges: np.ndarray) -> np.ndarray:

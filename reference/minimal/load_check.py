@@ -18,7 +18,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ..scales import frequencies
-from .modes import FLIGHT, Phase
+from .modes import Phase
 
 # Degree of the polynomial through a load: where it agrees to rounding, the next singularity of the load (in the complex
 # plane) is ten steps away, and the Taylor series of order 12 at the step's start is as accurate at its end.
@@ -97,7 +97,7 @@ def _acting(phase: Phase, course: Course) -> float | np.ndarray:
     """The size of the forces at the start of the step, N: weight, and the force that accelerates the plate. In flight
     that of each force, as none changes the speed of another (a fast fall does not hide a moment)."""
     often = frequencies(phase, course.start, course.states(np.zeros(1))[:, 0].tolist())
-    fastest = np.array(often) if phase.regime == FLIGHT else max(often, default=0.0)
+    fastest = np.array(often) if phase.flies else max(often, default=0.0)
     return phase.case.weight + phase.case.plate.mass * phase.size * fastest**2
 
 
@@ -115,7 +115,7 @@ def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting
     tails, sizes = np.max(np.abs(coefficients[-2:]), axis=0), np.maximum(np.max(np.abs(arguments), axis=1), least)
     misfit = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]), axis=1)
     largest = np.max(np.abs(forces), axis=1)
-    errors, error = ARGUMENT * sizes, bound * (acting + (largest if phase.regime == FLIGHT else np.max(largest)))
+    errors, error = ARGUMENT * sizes, bound * (acting + (largest if phase.flies else np.max(largest)))
     if np.any(misfit > error) or np.any(tails > errors):
         of_arguments, of_forces = _roundings(phase, course, places)
         errors = np.fmax(errors, ROUNDINGS * of_arguments[small])

@@ -26,7 +26,7 @@ from cases.scene.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from ..effect_laws import Laws, laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
 from ..effect_laws.scene_laws import effects_in_time
-from .assembly import THETA, Kind, contact_system, flight_system, parameter_values, sizes_of
+from .assembly import THETA, Kind, contact_system, parameter_values, sizes_of
 from .elimination import U1, U2, X1, X2
 from .system import System, slack_name
 
@@ -64,7 +64,8 @@ class Phase(NamedTuple):
     one. `places` are the rows of its variables in the full state. `features` are those that a step could pass over,
     each with its row of the state (None: time); `checks_load`: whether a step could pass over a change of a load in
     place or velocity. `parts`: the numbers of the pieces of track and outline, of curves in pieces. `is_past`: whether
-    a state is beyond the phase's end, so that no further steps are needed.
+    a state is beyond the phase's end, so that no further steps are needed; `flies`: whether it is the flight of the
+    only plate; `follows`: whether the gap of its contact is a variable.
     """
 
     regime: Regime
@@ -78,6 +79,8 @@ class Phase(NamedTuple):
     checks_load: bool = False
     parts: tuple[int, int] = WHOLE
     is_past: Callable[[Sequence[float]], bool] | None = None
+    flies: bool = False
+    follows: bool = False
 
     @property
     def checks_steps(self) -> bool:
@@ -155,7 +158,7 @@ def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, floa
 def phase_at(case: Case, regime: Regime, y: Sequence[float]) -> Phase:
     """The equations of that regime at a full state: of curves in pieces, on those that it belongs to."""
     track, outline = case.track.parts, case.plate.outline.parts
-    if (track is None and outline is None) or regime.mode is Mode.FLIGHT:
+    if track is None and outline is None:
         return phase(case, regime, WHOLE)
     return phase(case, regime, (track.number(y[0]) if track else 0, outline.number(y[1]) if outline else 0))
 
@@ -166,12 +169,6 @@ def phase_at(case: Case, regime: Regime, y: Sequence[float]) -> Phase:
 def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
     """The equations of that regime with the case's parameters, on pieces of curves in pieces."""
     track, outline, size = case.track.part(parts[0]), case.plate.outline.part(parts[1]), case.plate.gyration
-    if regime.mode is Mode.FLIGHT:
-        equations = flight_system(case)
-        parameters = parameter_values(case, sizes_of(track, outline, case.plate), equations)
-        checks, rows = bool(equations.load_quantities), tuple(range(6))
-        in_time = effects_in_time(case, in_contact=False)
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, _features(in_time), checks)
     law = laws(case)
     vanishing = tuple(name for name, _ in regime.slack)
     form = _form(law, regime.kind, track, outline, case.track, case.plate, case.start, effects_in_time(case), vanishing)
@@ -241,8 +238,6 @@ def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
 
 def full_state(case: Case, phase: Phase, t: float, y: Sequence[float]) -> tuple[float, ...]:
     """A mode's own variables at time t as the full state."""
-    if phase.regime.mode is Mode.FLIGHT:
-        return tuple(float(v) for v in y)
     values = dict(zip(phase.places, map(float, y), strict=True))
     xi1, xi2 = values[0], values[1]
     u1 = values[2] if 2 in values else conveyance(case, t, xi1, xi2)

@@ -18,7 +18,7 @@ from cases.scene.piece_case import PieceCase
 
 from ..effect_laws.friction import STICKING
 from ..minimal.integrators.segment import Segment, blocks
-from ..minimal.modes import FLIGHT, Phase
+from ..minimal.modes import Phase
 from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
 from .places import ContactPlace, couple_of, groups, place, sides_of
@@ -218,11 +218,8 @@ def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]
 def observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     """Pose by (5) and (6), velocities by (8), forces from (27), of the first plate. Of several contacts those of its
     first closed one with track or support; as in flight if none is closed."""
-    none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
     if isinstance(now, SolverPhase):
         return _observe_poses(case, now, times, y)
-    if now.regime == FLIGHT:
-        return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
     with np.errstate(over="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
         outputs = now.system.outputs_of_arrays(times, y, now.parameters)
     m = now.system.record(*(np.broadcast_to(row, times.shape) for row in outputs))

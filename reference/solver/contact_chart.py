@@ -1,7 +1,7 @@
-"""The quick chart: one plate with at most one contact, in the contact's own coordinates, or in flight over its track.
+"""The quick chart: one plate with one contact, in the contact's own coordinates.
 
-A second contact is excluded by curvatures, or searched along each phase (`meet`). Where it closes, or where a contact
-on a curve with corners opens or reaches an inner corner or a flat side, the motion departs to poses (`pose_chart`).
+A second contact is excluded by curvatures, or searched along each phase (`meet`). Where it closes, the contact opens,
+or, on a curve with corners, reaches an inner corner or a flat side, the motion departs to poses (`pose_chart`).
 """
 
 from __future__ import annotations
@@ -16,21 +16,19 @@ from cases import Case, Mode, Transition
 from cases.contact import pose, start_motion
 from cases.contact.overlap_search import span
 from cases.contact.piece_contact import excludes_second
+from cases.motion.trajectory import CONTACT
 from cases.scene.couples import couples
 from cases.scene.piece_case import PieceCase, lies_flat, piece_case_of
 
-from ..curvature_proof import fits
+from ..curvature_proof import fits, room
 from ..endings import CAUSES, FLAT, OFF, Ending, second_place
-from ..minimal.bouncing import Bounces
-from ..minimal.contact_end import Step, after_contact, leave
+from ..minimal.contact_end import Step, after_contact, contact_step, leave
 from ..minimal.decision import AT_BOUND, decide
 from ..minimal.element_meetings import ElementMeeting
-from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
+from ..minimal.impact import ContactVelocity
 from ..minimal.integrators.segment import Segment, Segments
-from ..minimal.landing import Landings
 from ..minimal.modes import (
     FLIGHT,
-    Phase,
     Regime,
     able,
     candidates,
@@ -44,6 +42,7 @@ from ..minimal.modes import (
     state_in,
 )
 from ..scales import EPS, IDLE, LOCATION_ERROR, ROUGH
+from .hops import NestedSeries
 from .meet import Meetings, until_meeting
 from .places import start_of
 from .plate_numbers import load_scale
@@ -55,13 +54,13 @@ END = 1e-11
 
 
 class Departure(NamedTuple):
-    """Where a motion goes on in poses: time (s), the plate's state, the mode of its contact, the pair of elements and
-    their own parameters; whether the contact opens; the second contact that closes; and how the motion ends if it
-    cannot go on."""
+    """Where a motion goes on in poses: time (s), the plate's state, the mode of its contact (None at a start without
+    one), the pair of elements and their own parameters; whether the contact opens; the second contact that closes; and
+    how the motion ends if it cannot go on."""
 
     time: float
     state: tuple[float, ...]
-    mode: Mode
+    mode: Mode | None
     pair: PieceCase
     points: tuple[float, float]
     opens: bool
@@ -70,24 +69,40 @@ class Departure(NamedTuple):
 
 
 class ContactChart:
-    """The motion of one plate with at most one contact at time `t` (s).
+    """The motion of one plate with one contact at time `t` (s).
 
-    `case`: on the elements of its curves where the contact is; `regime`, `y`: its regime and full state; `place`: the
-    last contact's (ξ₁, ξ₂) on the whole curves.
+    `case`: on the elements of its curves where the contact is; `regime`, `y`: its regime and full state.
     """
 
     def __init__(
-        self, case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None, segments: Segments
+        self, case: Case, rtol: float, integrate: Callable[..., Segment], segments: Segments, hops: NestedSeries
     ):
-        start = start_motion(case)
         self.whole, self.case, self.rtol, self.integrate = case, start_pieces(case), rtol, integrate
-        self.t, self.y, self.segments = 0.0, start_state(case), segments
-        self.regime = first_regime(case, self.y) if regime is None else regime
-        self.place = start.xi1, start.xi2
-        self.transitions = list[Transition]()
-        self.bounces, self.idle = Bounces(case), 0
-        self.landings: Landings | None = None
+        self.t, self.y, self.segments, self.hops, self.idle = 0.0, start_state(case), segments, hops, 0
+        self.regime: Regime | None = None
         self.search: Meetings | None = None
+
+    def begin(self, regime: Regime | None) -> None:
+        """Begin with the start of the case; `regime`, if it is known."""
+        self.regime = first_regime(self.whole, self.y) if regime is None else regime
+
+    def enter(
+        self, t: float, place: tuple[float, float], theta: float, touch: ContactVelocity, is_rest: bool
+    ) -> Regime | None:
+        """Take over a contact at that time, place, angle and velocity; returns its regime, or None if it has none here.
+        `is_rest`: bouncing has come to rest."""
+        place = self._with_turns(place, theta)
+        step = contact_step(self.case, (), t, place, theta, touch, "rest" if is_rest else "landing")
+        if step.regime is None or step.regime == FLIGHT:
+            return None
+        self.t, self.y, self.regime, self.idle = t, step.state, step.regime, 0
+        return step.regime
+
+    def _with_turns(self, place: tuple[float, float], theta: float) -> tuple[float, float]:
+        """The parameters of a contact with the whole turns that give the angle itself by (6)."""
+        (xi1, xi2), period = place, self.whole.plate.outline.period
+        turns = round((float(pose(self.whole, xi1, xi2)[2]) - theta) / (2.0 * np.pi))
+        return (xi1, xi2 + turns * period) if period else (xi1 - turns * (self.whole.track.period or 0.0), xi2)
 
     def excludes_second(self, xi1: Sequence[float]) -> bool:
         """Whether curvatures exclude a second contact while ξ₁ has these values."""
@@ -95,6 +110,17 @@ class ContactChart:
         if isinstance(self.case, PieceCase):
             return excludes_second(track, outline)
         return fits(track, outline, *span(track, [self.whole.start.xi1, *xi1], self.whole.plate.reach))
+
+    def room(self, xi1: Sequence[float]) -> float:
+        """The gap (m) up to which curvatures exclude a second place of contact, while ξ₁ has these values."""
+        track, outline = self.whole.track, self.whole.plate.outline
+        return room(track, outline, *span(track, [self.whole.start.xi1, *xi1], self.whole.plate.reach)).gap
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether such a proof holds for all of the track."""
+        track = self.whole.track
+        return track.domain is not None or bool(track.period) or track.features is None
 
     @cached_property
     def is_alone(self) -> bool:
@@ -104,8 +130,6 @@ class ContactChart:
 
     def touches_once(self) -> bool:
         """Whether the motion begins with one contact, or in flight."""
-        if self.regime == FLIGHT:
-            return True
         if isinstance(self.case, PieceCase) and (self.regime is None or lies_flat(self.case, self.y[0], self.y[1])):
             return False
         return self.is_alone or len(list(touching_contacts(self.whole, np.array(start_of(self.whole))))) < 2
@@ -114,27 +138,20 @@ class ContactChart:
         """Simulate one phase and what follows it. Raises Undecidable, DoesNotFit."""
         if self.regime is None:
             step = leave(self.case, (), self.t, self.y, "")
+            if step.regime == FLIGHT:
+                return self._opening(step, None)
             self.y, self.regime = step.state, step.regime
             return step.ending if step.regime is None else None
         now = phase_at(self.case, self.regime, self.y)
         self.y = state_in(now, self.y)
-        if self.regime == FLIGHT:
-            step = self._flight(now)
-        else:
-            segment = self.integrate(now, self.t, self.y, self.whole.duration, self.rtol)
-            step = after_contact(self.case, segment, self.y, max(self.rtol, LOCATION_ERROR))
-            departure = self._second_contact(step)
-            if departure is not None:
-                return departure
+        segment = self.integrate(now, self.t, self.y, self.whole.duration, self.rtol)
+        step = after_contact(self.case, segment, self.y, max(self.rtol, LOCATION_ERROR))
+        departure = self._second_contact(step)
+        if departure is not None:
+            return departure
         if step.time == self.t and self.idle >= IDLE and step.regime not in (None, FLIGHT):
             step = self._decide_roughly(step)
         return self._go_on(step)
-
-    def _flight(self, now: Phase) -> Step:
-        self.landings = self.landings or Landings(self.whole)
-        fly = simulate_flight if self.segments or not closes(self.whole) else start_flight
-        path = fly(self.whole, now, self.t, self.y, self.place, self.rtol, self.integrate, self.landings)
-        return after_flight(self.whole, *path, self.bounces)
 
     def _decide_roughly(self, step: Step) -> Step:
         """The step with another regime after phases of zero length: what began is too small to distinguish from
@@ -149,17 +166,18 @@ class ContactChart:
         regime, case = self.regime, self.case
         assert regime is not None
         is_at_second = step.ending[0] == FLAT[0] and step.regime is None
-        opens = isinstance(case, PieceCase) and step.regime == FLIGHT
         for segment in step.segments:
             self.segments.add(segment)
-        if is_at_second or opens:
-            return self._departure(self.segments[-1], None, opens, step.ending)
+        if is_at_second:
+            return self._departure(self.segments[-1], None, step.ending)
+        if step.regime == FLIGHT:
+            return self._opening(step, regime.mode)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
         self.t, self.case = step.time, step.pieces or case
-        self.place = self.case.to_whole(*step.place) if isinstance(self.case, PieceCase) else step.place
-        if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
-            xi1, xi2 = self.place
-            self.transitions.append(Transition(self.t, regime.mode, following, xi1, xi2, CAUSES[step.cause]))
+        if following is not regime.mode:
+            xi1, xi2 = self.case.to_whole(*step.place) if isinstance(self.case, PieceCase) else step.place
+            change = Transition(self.t, regime.mode, following, xi1, xi2, CAUSES[step.cause], CONTACT)
+            self.hops.outer.add([change])  # no impacts keep it back
         if step.regime is None:
             return step.ending
         self.y, self.regime = step.state, step.regime
@@ -183,14 +201,12 @@ class ContactChart:
             cut = until_meeting(segment, meeting, again, self.rtol, lambda last: self._body_at(last)[0])
             self.segments.add(cut)
             xi1 = meeting.pair.to_whole(meeting.xi1, meeting.xi2)[0]
-            return self._departure(cut, meeting, False, second_place(meeting.time, xi1))
+            return self._departure(cut, meeting, second_place(meeting.time, xi1))
         return None
 
     def _is_alone_in(self, segment: Segment) -> bool:
         """Whether curvatures exclude a second contact in a segment."""
-        track = self.whole.track
-        is_straight = track.features is None
-        if isinstance(self.case, PieceCase) or track.domain is not None or track.period or is_straight:
+        if isinstance(self.case, PieceCase) or self.is_bounded:
             return self.is_alone
         return self.excludes_second(segment.states(segment.times)[0].tolist())
 
@@ -199,10 +215,14 @@ class ContactChart:
         """The pair of elements of the contact, of the case's only couple."""
         return pair_in_couple(self.whole, self.case)
 
-    def _departure(self, last: Segment, meeting: ElementMeeting | None, opens: bool, ending: Ending) -> Departure:
-        """The departure at the end of the last segment."""
-        body, y = self._body_at(last)
-        return Departure(last.event.time, body, last.phase.regime.mode, self.pair, (y[0], y[1]), opens, meeting, ending)
+    def _opening(self, step: Step, mode: Mode | None) -> Departure:
+        """The departure where the contact opens that had that mode."""
+        return Departure(step.time, step.state, mode, self.pair, step.place, True, None, step.ending)
+
+    def _departure(self, last: Segment, meeting: ElementMeeting | None, ending: Ending) -> Departure:
+        """The departure at the end of the last segment, to a second contact."""
+        (body, y), mode = self._body_at(last), last.phase.regime.mode
+        return Departure(last.event.time, body, mode, self.pair, (y[0], y[1]), False, meeting, ending)
 
     def _body_at(self, last: Segment) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """The plate's pose and velocities at the end of a segment of contact, and its full state."""
@@ -231,10 +251,8 @@ def contact_view(case: Case, pair: PieceCase, segment: Segment) -> SegmentView:
 
 
 def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
-    """The regime at time zero of a state of contact or flight: the start specifies the signs of slip and spin; a zero
-    is decided as at any instant. None if no contact is consistent. Raises Undecidable."""
-    if not case.start.in_contact:
-        return FLIGHT
+    """The regime at time zero of a state of contact: the start specifies the signs of slip and spin; a zero is decided
+    as at any instant. None if no contact is consistent. Raises Undecidable."""
     here, weak = start_pieces(case), AT_BOUND * _start_scale(case)
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.

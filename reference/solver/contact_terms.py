@@ -47,7 +47,8 @@ class ContactForm(NamedTuple):
     passes on (`regimes.ends_of`), its law of friction, the surface of its base, and the contact (its place among all)
     that has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
     `resistance`: of its rotation, `holds`: it prevents that; `guides`: where forces are not unique, which of its rows
-    are used; `along`: an earlier contact of the same straight side.
+    are used; `along`: an earlier contact of the same straight side. `has_gap`: the gap of an open one is a
+    variable, as a low hop needs it more precisely than poses have it; `has_room`: up to a limit.
     """
 
     body: int
@@ -63,6 +64,8 @@ class ContactForm(NamedTuple):
     holds: bool = False
     guides: tuple[bool, bool] | None = None
     along: int | None = None
+    has_gap: bool = False
+    has_room: bool = False
 
     @property
     def sides(self) -> Sides:

@@ -22,10 +22,14 @@ from cases import Transition
 from cases.motion.instants import one_per_instant
 
 from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
+from ..scales import EPS
 
 # The name or the number of a contact.
 T = TypeVar("T", str, int)
 
+# Impacts are extrapolated to their end where plates move by less than this part of their size until then, or where one
+# more of them changes the end by less than the second part of sizes and speeds.
+SMALL_HOP, NEGLIGIBLE = 1e-9, 1e-13
 # Impacts beyond this many are too old to be of the same series with speeds that are APART.
 LONGEST = 1000
 # An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
@@ -100,7 +104,8 @@ class ImpactSeries:
         if self.is_small:
             self.kept_back += changes
         else:
-            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+            self.ordinary += [*self.kept_back, *changes]
+            self.kept_back = []
 
     def begin_again(self) -> None:
         """Forget the impacts: a series has ended."""
@@ -111,28 +116,40 @@ class ImpactSeries:
         is_now = self.is_small and self.strikes and self.strikes[-1].time == t
         return frozenset().union(*(one.contacts for one in self.strikes[-RECENT:])) if is_now else frozenset()
 
-    def limit(self, t: float, size: float) -> SeriesEnd | None:
-        """The end of small impacts, the last of them at t, if the contacts that bounce move by less than `size` (m)
-        until then; None otherwise."""
-        some, contacts = self._series() if self.recent(t) else ([], frozenset())
-        end = self._end_of(some, contacts, t, size, False) if len(some) > FEW else None
+    def limit(self, t: float, size: float, is_last: bool = False) -> SeriesEnd | None:
+        """The end of small impacts of plates of that size (m), the last of them at t, if it is known to rounding or
+        the plates hardly move until then; None otherwise. `is_last`: further impacts would not show it better."""
+        is_now = self.recent(t) or (is_last and self.strikes)
+        some, contacts = self._series() if is_now else ([], frozenset())
+        end = self._end_of(some, contacts, t, size, False, is_last) if len(some) > FEW else None
         few = some[-FEW:]
         if end is None and len(few) == FEW and few[2].closing <= FAST * few[1].closing <= FAST**2 * few[0].closing:
-            return self._end_of(few, contacts, t, size, True)
+            return self._end_of(few, contacts, t, size, True, is_last)
         return end
 
     def _end_of(
-        self, some: Sequence[Strike], contacts: frozenset[str], t: float, size: float, are_few: bool
+        self, some: Sequence[Strike], contacts: frozenset[str], t: float, size: float, are_few: bool, is_last: bool
     ) -> SeriesEnd | None:
-        """The end of those impacts of a series, if it is accepted."""
+        """The end of those impacts of a series, if it is accepted: with the last impact and without it, or, of the last
+        one, by two orders of polynomials."""
         speeds, times = [one.closing for one in some], [one.time for one in some]
-        (time, _), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
+        (time, late), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
         remaining = time - t
         waits = time - times[-2] if are_few else remaining
-        if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * waits, np.spacing(t)):
+        off = late if is_last else abs(time - before)
+        if not 0.0 <= remaining or off > max(AGREES * waits, np.spacing(t)):
             return None
-        body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
-        doubt = min(abs(time - before), AGREES * remaining)  # what the last impact has changed
+        limits = [extrapolate(speeds, column) for column in zip(*(one.body for one in some), strict=True)]
+        body, plates, fast = [value for value, _ in limits], len(limits) // 6, self.fastest
+        scales = [*(size, size, 1.0) * plates, *(fast, fast, fast / size) * plates]
+        # An impact's time has the rounding of its place over its speed.
+        is_exact = late <= max(NEGLIGIBLE * size / fast, EPS * size / speeds[-1], 4.0 * np.spacing(time)) and all(
+            spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
+            for (value, spread), scale in zip(limits, scales, strict=True)
+        )
+        if not is_exact and remaining * speeds[-1] > SMALL_HOP * size:
+            return None
+        doubt = min(off, AGREES * remaining)  # what the last impact has changed
         return SeriesEnd(time, body, contacts, STILL * speeds[-1], doubt=doubt)
 
     def lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
@@ -206,10 +223,10 @@ class NestedSeries(ImpactSeries):
         super().strike(now)
         self._pass_on()
 
-    def limit(self, t: float, size: float) -> SeriesEnd | None:
-        end = super().limit(t, size)
+    def limit(self, t: float, size: float, is_last: bool = False) -> SeriesEnd | None:
+        end = super().limit(t, size, is_last)
         if end is None:
-            end = self.outer.limit(t, size)
+            end = self.outer.limit(t, size, is_last)
             return end and end._replace(ends_cascade=True)
         return end
 

@@ -7,20 +7,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Mode
+from cases.curves.corner import Corner
 
 from ..endings import CAUSES
 from ..minimal.bouncing import is_unresolved, straight
 from ..minimal.integrators.segment import Segment
 from ..scales import TOUCHES
-from .hops import SeriesEnd
+from .hops import SMALL_HOP, SeriesEnd
 from .places import place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, load_scale, rows_of, size
-from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
+from .regimes import SolverPhase, SolverRegime, join, key_of, regime_of, solver_phase
 from .touching import touching_contacts
-from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_contact
+from .watched_plates import CLOSES, NO_GAP, Watch, WatchedPlates, is_same_contact
 
-# Impacts are extrapolated to their end where plates move by less than this part of their size until then.
-SMALL_HOP = 1e-9
+# Impacts are extrapolated to an end until which plates move by less than this part of their size, of a turn and of what
+# they pass.
+SMALL = 2e-2
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
 ACCUMULATES = 1e-7
 # Contacts that may close at the end of impacts, whose time has a doubt, have gaps below this part of the plates' size.
@@ -33,6 +35,13 @@ class ImpactEnds(WatchedPlates):
     def _advance(self, segment: Segment) -> None:
         raise NotImplementedError
 
+    def _variables(self, phase: SolverPhase) -> tuple[float, ...]:
+        """The variables of a phase in the present state."""
+        some = [watch for watch, room in zip(self.watches, regime_of(phase).rooms, strict=True) if room]
+        least = NO_GAP * size(self.case, self.state)
+        gaps = [at.gap if at.gap > least else 0.0 for at in self._places(some)]
+        return join(self.state, [watch.points for watch in self.watches], gaps)
+
     def _low_hops(self, phase: SolverPhase) -> set[str]:
         """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
         contacts' forces may drive plates together that their loads do not. A contact that touched in the decision has
@@ -42,7 +51,7 @@ class ImpactEnds(WatchedPlates):
         which of them open is a question of forces then."""
         if self.impact_time != self.t:
             return set()
-        y = join(self.state, [watch.points for watch in self.watches])
+        y = self._variables(phase)
         rates = phase.system.rates_of_numbers(self.t, y, phase.parameters)
         acceleration, velocity, low = np.array(rates[len(rates) - self.half :]), self.velocity, set[str]()
         slow, far = ACCUMULATES * self.speed, size(self.case, self.state)
@@ -78,7 +87,7 @@ class ImpactEnds(WatchedPlates):
         landing = end.landing(closings, TOUCHES * size(self.case, self.state))
         if landing is None:
             return
-        state, now = project(self.case, values, [(watch.pair, watch.points) for watch in near])
+        state, now = project(self.case, values, [place(watch.pair, values, watch.points) for watch in near])
         velocity, lengths = np.array(state[self.half :]), bodies(self.case).lengths
         stuck = {
             watch.name for watch, at in zip(near, now, strict=True)
@@ -106,14 +115,44 @@ class ImpactEnds(WatchedPlates):
         """The end of small impacts. Those that alternate between two corners without a fixed ratio end where all hops
         are lower than what counts as touching."""
         far = size(self.case, self.state)
-        end = self.hops.limit(self.t, SMALL_HOP * far)
-        if end is None and self.hops.is_small and CAUSES["rest"] in self.causes.values():
-            end = self._lowest(frozenset(self.touching))
-        if end is None and self._is_low(TOUCHES * far):
+        end = self.hops.limit(self.t, far)
+        if end is not None and not self._is_smooth(end):
+            end = None
+        if end is None and CAUSES["rest"] in self.causes.values():
+            end = self._last(frozenset(self.touching))
+            if end is None and self.hops.is_small:
+                end = self._lowest(frozenset(self.touching))
+        # Of a contact that is followed hops are known until a rebound is a rounding.
+        if end is None and not any(watch.room for watch in self.watches) and self._is_low(TOUCHES * far):
             places_now = zip(self.watches, self._places(self.watches), strict=True)
             touching = frozenset(watch.name for watch, at in places_now if at.gap <= TOUCHES * far)
-            return self._lowest(touching) or self._now(touching)
+            return self._last(touching) or self._lowest(touching) or self._now(touching)
         return end
+
+    def _last(self, touching: frozenset[str]) -> SeriesEnd | None:
+        """The end of impacts at these contacts whose rebounds are roundings."""
+        if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
+            return None
+        end = self.hops.limit(self.t, size(self.case, self.state), is_last=True)
+        return end if end is not None and end.contacts <= touching else None
+
+    def _is_smooth(self, end: SeriesEnd) -> bool:
+        """Whether plates fall, turn and pass features by small parts only until that end: impacts before it show how
+        they move."""
+        lasts, least = end.time - self.t, min(bodies(self.case).reaches)
+        turns = float(np.abs(self.velocity[2::3]).max()) * lasts
+        if max(load_scale(self.case, self.t, self.state) * lasts**2 / least, turns**2) > SMALL**2:
+            return False
+        for watch, at in zip(self.watches, self._places(self.watches), strict=True):
+            if watch.name not in end.contacts:
+                continue
+            last = place(watch.pair, end.body, watch.points)
+            for curve, before, after in zip(watch.pair.pieces, (at.xi1, at.xi2), (last.xi1, last.xi2), strict=True):
+                if isinstance(curve, Corner) or curve.features is None:
+                    continue
+                if abs(after - before) > SMALL * curve.features.piece_length(before):
+                    return False
+        return True
 
     def _lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
         """The end of low hops on the line through the last two; at once, if plates that do not bounce would leave that

@@ -66,13 +66,14 @@ class Meetings:
 
     def first(self, view: SegmentView) -> ElementMeeting | None:
         """The first meeting in a segment; None if there is none. Raises TooMuch at the limit on work."""
+        searches = [search for search in self.searches if not search.excludes_all(view.pairs, view.resting)]
+        if not searches:
+            return None
         edges, earliest = np.unique(view.times), None
         if len(edges) < 2:
             return None
         poses = remember(view.poses)
-        for search in self.searches:
-            if couple_rests(search.couple, view.resting):
-                continue
+        for search in searches:
             some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
             if len(some) < 2:
                 continue
@@ -132,6 +133,21 @@ class CoupleSearch:
         every = pairs_that_touch(couple)
         self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
         self.others = [pair for pair in every if shapes(pair) is None]
+        self.complete = dict[tuple[tuple[int, int], ...], bool]()
+
+    def excludes_all(self, in_view: Sequence[PieceCase], resting: frozenset[int]) -> bool:
+        """Whether plates at rest, or contacts of these pairs that are watched, exclude every meeting."""
+        if couple_rests(self.couple, resting):
+            return True
+        own = [pair for pair in in_view if couple_of(pair).number == self.couple.number]
+        if not own:
+            return False
+        key = tuple(map(in_round, own))
+        if key not in self.complete:
+            exclusions = _exclusions(own)
+            every = [*(pair for pair, _ in self.quick), *self.others]
+            self.complete[key] = all(in_round(pair) in exclusions for pair in every)
+        return self.complete[key]
 
     def far_pairs(self, poses: np.ndarray) -> list[tuple[PieceCase, Shapes]]:
         """Pairs of lines and circles, if there are few, that are clearly apart in poses of all plates, (3n,)."""

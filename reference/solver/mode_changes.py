@@ -14,6 +14,7 @@ from ..endings import CAUSES, LIFT_OFF, NO_MODE, NO_SLIP, Ending, forces_not_uni
 from ..scales import EPS
 from .accelerations import DecisionInstant
 from .decide import Decision, decide, flat_of, shares_of
+from .hops import NestedSeries
 from .impact_ends import ImpactEnds
 from .places import ContactPlace, anchors_of, groups, plates_in
 from .plate_numbers import Turns, size
@@ -27,14 +28,14 @@ NEAR = 1e-3
 class ModeChanges(ImpactEnds):
     """Plates whose modes are decided, group by group.
 
-    `fixed`: the modes that some contacts may have; `released`: those whose forces have reached a limit at rest;
+    `fixed`: the modes that some contacts may have; `at_limit`: those whose forces have reached a limit at rest;
     `may_slide`: whether these may keep their modes, as those of plates without friction that begin to slide; `begins`:
     the modes of a start are no changes; `may_float`: whether the force that opens a contact may stay at zero.
     """
 
-    def __init__(self, case: Case, t: float, state: tuple[float, ...], begins: bool):
-        super().__init__(case, t, state)
-        self.fixed, self.released, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
+    def __init__(self, case: Case, state: tuple[float, ...], hops: NestedSeries):
+        super().__init__(case, state, hops)
+        self.fixed, self.at_limit, self.begins = dict[str, tuple[Mode, ...]](), set[str](), False
         self.may_float, self.may_slide = True, False
 
     def _decision_errors(self) -> Sequence[float]:
@@ -42,7 +43,6 @@ class ModeChanges(ImpactEnds):
         raise NotImplementedError
 
     def _decide(self) -> SolverRegime:
-        self._end_bouncing()
         closed, errors = self._closed(), self._decision_errors()
         now, places = DecisionInstant(self.case, self.t, self.state, self.speed, errors[0]), self._places(closed)
         modes, resting, slack = dict[str, Mode](), set[int](), list[tuple[str, str, float]]()
@@ -53,7 +53,7 @@ class ModeChanges(ImpactEnds):
             self._check_count(some, names)
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
             last_modes: tuple[Mode, ...] | None = None
-            if self.released & set(names):
+            if self.at_limit & set(names):
                 last_modes = () if self.may_slide else tuple(closed[k].mode for k in group)
             decision = self._decide_group(now, some, fixed, last_modes)
             for error in errors[1:]:
@@ -75,7 +75,7 @@ class ModeChanges(ImpactEnds):
                 modes |= part
                 resting |= plates_in([at for at, name in zip(some, names, strict=True) if name in part])
                 slack = [one for one in slack if one[1] not in part]
-        self.released, self.still = set(), []
+        self.at_limit, self.still = set(), []
         remaining = [
             (watch, at) for watch, at in zip(closed, places, strict=True) if modes[watch.name] is not Mode.FLIGHT
         ]
@@ -86,6 +86,10 @@ class ModeChanges(ImpactEnds):
             self._still([at for _, at in remaining])
         self._record(modes)
         return self._regime(resting, slack, turns, guides)
+
+    def _follows(self, watch: Watch, gap: float) -> bool:
+        """Whether an open contact with that gap (m) is followed, as it is the only one of its plate."""
+        raise NotImplementedError
 
     def _decide_group(
         self, now: DecisionInstant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]],
@@ -129,7 +133,7 @@ class ModeChanges(ImpactEnds):
         for watch, at in zip(self.watches, self._places(self.watches), strict=True):
             if watch.mode is not Mode.FLIGHT:
                 remaining.append(watch)
-            elif at.gap <= least and at.clearance > 2.0 * watch.lost:
+            elif (self._follows(watch, at.gap) or at.gap <= least) and at.clearance > 2.0 * watch.lost:
                 remaining.append(watch)
         self.watches = remaining
 
@@ -163,6 +167,7 @@ class ModeChanges(ImpactEnds):
             tuple(flat.get(k) for k in range(len(now))),
             anchors_of(self.case, self.velocity, closed, stuck) - resting,
             tuple(watch.at_joint for watch in self.watches) if any(watch.at_joint for watch in self.watches) else (),
+            tuple(watch.room if watch.mode is Mode.FLIGHT else 0.0 for watch in self.watches),
         )
 
     def _resting_parts(

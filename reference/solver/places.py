@@ -226,23 +226,24 @@ def sharing(now: Sequence[ContactPlace]) -> dict[int, int]:
 
 
 def project(
-    case: Case, state: State, pairs: Sequence[tuple[PieceCase, tuple[float, float]]]
+    case: Case, state: tuple[float, ...], now: Sequence[ContactPlace]
 ) -> tuple[tuple[float, ...], list[ContactPlace]]:
-    """The plates moved by rounding so that these contacts have no gap, and the contacts; plates of other contacts keep
-    their bits."""
-    values, inverse, half = np.array(state, dtype=float), bodies(case).inverse, len(state) // 2
-    now = [place(pair, values, near) for pair, near in pairs]
+    """The plates moved by rounding so that these contacts, which are those of the state, have no gap, and the contacts;
+    plates of other contacts keep their bits."""
+    values, inverse, half, now = np.array(state, dtype=float), bodies(case).inverse, len(state) // 2, list(now)
+    least, is_moved = 2e-16 * size(case, values), False
     for group in groups(now):
         for _ in range(STEPS):
             some = [now[k] for k in group]
             gaps = np.array([at.gap for at in some])
-            if np.abs(gaps).max() <= 2e-16 * size(case, values):
+            if np.abs(gaps).max() <= least:
                 break
+            is_moved = True
             rows = np.array([at.lift_row for at in some])
             values[:half] -= inverse * (rows.T @ np.linalg.lstsq(rows * inverse @ rows.T, gaps, rcond=1e-10)[0])
             for k in group:
                 now[k] = place(now[k].pair, values, (now[k].xi1, now[k].xi2))
-    return tuple(values.tolist()), now
+    return tuple(values.tolist()) if is_moved else state, now
 
 
 def without_velocity(
@@ -252,6 +253,8 @@ def without_velocity(
     """The state with lift velocity 0 at touching contacts and slip velocity 0 at the stuck ones, and without rotation
     of the plates `still` against each other: the nearest such velocities in kinetic energy. Plates of other contacts
     keep their bits."""
+    if not touching:
+        return tuple(state)
     some, half = bodies(case), len(state) // 2
     velocity = np.array(state[half:], dtype=float)
     now, count = [*touching, *stuck], len(touching)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
+from typing import cast
 
 import numpy as np
 
-from cases import Belt, Case, Mode, Transition
-from cases.contact import belt_speed, clearance
+from cases import Belt, Case, Mode
+from cases.contact import belt_speed, clearance, start_motion
+from cases.motion.trajectory import CONTACT
 from cases.scene.contact_limits import has_features
 from cases.scene.free_plates import plates_of
 from cases.scene.piece_case import LEVEL, PieceCase, corner_on_corner, is_concave, neighbour, touching_corners
@@ -20,23 +22,26 @@ from ..endings import (
     COMPLETION,
     CORNERS_MEET,
     ENDS,
+    FLAT,
     Ending,
 )
 from ..minimal.assembly import PIECE_ENDS
 from ..minimal.contact_end import ending_by
 from ..minimal.element_meetings import ElementMeeting, points_at
 from ..minimal.grazing import may_touch, over_touch
+from ..minimal.impact import ContactVelocity
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
-from ..scales import IDLE, LOCATION_ERROR, ROUGH, TOUCHES, error_range, frequency, looks_between
+from ..scales import IDLE, LOCATION_ERROR, ROUGH, STILL, TOUCHES, error_range, frequency, looks_between
 from . import forces
 from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
-from .contact_chart import Departure, pair_in_couple
+from .contact_chart import ContactChart, Departure, pair_in_couple
+from .hops import NestedSeries
 from .meet import Meetings, until_meeting
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import rigid_pairs, size, speed
-from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, is_flat_beyond, join, solver_phase, split
+from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, is_flat_beyond, regime_of, solver_phase, split
 from .segment_view import view_of
 from .touching import touching_contacts
 from .watched_plates import Watch
@@ -53,6 +58,10 @@ OF_FORCES = ("normal", "cone_forward", "cone_backward")
 FITS = 1e-6
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
+# The same where its contact is followed: a longer one would add up the errors of its gap.
+FOLLOWS = 64.0
+# An open contact is followed up to this part of the gap beyond which it may no longer be the only one.
+ALONE = 0.5
 
 
 class PoseChart(ModeChanges):
@@ -60,47 +69,108 @@ class PoseChart(ModeChanges):
     coordinates."""
 
     def __init__(
-        self, case: Case, rtol: float, integrate: Callable[..., Segment], segments: Segments,
-        before: Departure | None = None,
+        self, case: Case, rtol: float, integrate: Callable[..., Segment], segments: Segments, hops: NestedSeries,
+        contact: ContactChart | None, no_contacts: Callable[[], str],
     ):  # fmt: skip
-        t, state = (before.time, before.state) if before is not None else (0.0, start_of(case))
-        super().__init__(case, t, state, before is None)
-        self.rtol, self.integrate, self.segments = rtol, integrate, segments
-        self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
+        super().__init__(case, start_of(case), hops)
+        self.rtol, self.integrate, self.segments, self.contact = rtol, integrate, segments, contact
+        self.idle, self.meetings, self.errors, self.no_contacts = 0, Meetings(case), error_range(rtol), no_contacts
+        self.was_double = False  # whether the plate has touched in two places at once
         # When (s) a contact has left a pair over an end.
         self.partings = list[tuple[float, PieceCase]]()
-        self.enter: Callable[[], None] | None = partial(self._enter, before)
+        self.enter: Callable[[], None] | None = None
 
-    def phase(self) -> Ending | None:
-        """Simulate one phase and what follows it. Raises MotionEnds, TooMuch, Undecidable, DoesNotFit, LinAlgError."""
+    def begin(self, before: Departure | None) -> PoseChart:
+        """The chart, to begin with the start of the case or where the motion departs from its contact's coordinates."""
+        if before is not None:
+            self.t, self.state, self.watches, self.still = before.time, before.state, [], []
+        self.idle, self.enter, self.begins = 0, partial(self._enter, before), before is None or before.mode is None
+        if self.contact is not None and not self.case.start.in_contact:
+            self.begins = False  # an impact at the start is a change of a flight
+        return self
+
+    def phase(self) -> Ending | ContactChart | None:
+        """Simulate one phase and what follows it, or go over to the coordinates of the only contact. Raises MotionEnds,
+        TooMuch, Undecidable, DoesNotFit, LinAlgError."""
         if self.enter is not None:
             enter, self.enter = self.enter, None
             enter()
-        return self._phase(self._decide())
+        self._end_bouncing()
+        if self._is_alone():
+            assert self.contact is not None
+            return self.contact
+        regime = self._decide()
+        if self.touching and (reason := self.no_contacts()):
+            return FLAT[0], f"{FLAT[1]} {reason}"
+        return self._phase(regime)
+
+    def _is_alone(self) -> bool:
+        """Whether the only contact that touches is the only one of its track, and follows in its own coordinates, which
+        take its state then."""
+        closed = self._closed()
+        self.was_double |= len(closed) > 1
+        if self.contact is None or len(closed) != 1 or self.fixed or self.at_limit or closed[0].name != CONTACT:
+            return False
+        (watch,), (at,) = closed, self._places(closed)
+        xi1, xi2 = watch.pair.to_whole(*watch.points)
+        if self.was_double and not self.contact.excludes_second([xi1]):
+            return False
+        slip, omega, still = at.slip(self.velocity, self.t), self.state[5], STILL * self.speed
+        touch = ContactVelocity(
+            slip if abs(slip) > still else 0.0, 0.0, omega if abs(omega) * self.case.plate.reach > still else 0.0
+        )
+        came_to_rest = self.causes.get(watch.name) == CAUSES["rest"]
+        regime = self.contact.enter(self.t, (xi1, xi2), self.state[2], touch, came_to_rest)
+        if regime is not None:
+            self._record({watch.name: regime.mode})
+        return regime is not None
+
+    def _follows(self, watch: Watch, gap: float) -> bool:
+        watch.room = ALONE * self.contact.room([watch.points[0]]) if self.contact is not None else 0.0
+        return gap < watch.room
+
+    def _is_proven(self, segment: Segment) -> bool:
+        """Whether a contact that is followed in a segment is the only one that may close."""
+        regime = regime_of(segment.phase)
+        if self.contact is None or len(regime.rooms) != 1 or not regime.rooms[0] or regime.modes[0] is not Mode.FLIGHT:
+            return False
+        return self.contact.is_bounded or regime.rooms[0] <= ALONE * self.contact.room(
+            segment.states(segment.times)[self.half].tolist()
+        )
 
     def _decision_errors(self) -> Sequence[float]:
         return self.errors if self.idle <= IDLE else (ROUGH,)
 
-    @property
-    def transitions(self) -> list[Transition]:
-        """All transitions so far."""
-        return self.hops.all
-
     def _enter(self, before: Departure | None) -> None:
         """Watch all contacts of the first pose; that of a departure keeps the first name, its mode and its velocities.
         A plate that begins on two places of a smooth track has that name at its start's contact."""
-        own: Watch | None = None
+        own, touching = cast(Watch | None, None), list[Watch]()
         if before is not None:
+            self.was_double |= not before.opens
             own = self._watch(before.pair, before.points)
-            own.mode = before.mode
-        elif not self.case.others and not has_features(self.case) and self.case.start.in_contact:
-            xi1, xi2, *_ = start_state(self.case)
-            self._watch(pair_in_couple(self.case, start_pieces(self.case)), (xi1, xi2))
+            touching.append(own)
+            own.mode = before.mode or Mode.FLIGHT
+            if before.opens and self.contact is not None:  # its force has vanished
+                self.touching = {own.name}
+                self._settle(set())
+                self.touching, self.causes[own.name] = set(), CAUSES["normal_force"]
+                return
+        elif not self.case.others and not has_features(self.case):
+            begin = start_motion(self.case)
+            xi1, xi2 = start_state(self.case)[:2] if self.case.start.in_contact else (begin.xi1, begin.xi2)
+            own_pair = pair_in_couple(self.case, start_pieces(self.case))
+            if self.case.start.in_contact or self.contact is not None:
+                watch = self._watch(own_pair, (xi1, xi2))
+                (at,) = self._places([watch])
+                if self.case.start.in_contact or self.case.start.gap <= 0.0:
+                    touching.append(watch)
+                elif self._follows(watch, at.gap) and at.gap > TOUCHES * size(self.case, self.state):
+                    return
         for pair, points in touching_contacts(self.case, np.array(self.state), TOUCHES if before is None else MEETS):
-            self._watch(pair, points)
+            touching.append(self._watch(pair, points))
         if before is not None and before.meeting is not None:
-            self._watch(before.meeting.pair, (before.meeting.xi1, before.meeting.xi2))
-        self.touching = {watch.name for watch in self.watches}
+            touching.append(self._watch(before.meeting.pair, (before.meeting.xi1, before.meeting.xi2)))
+        self.touching = {watch.name for watch in touching}
         stuck = {own.name} if own is not None and own.mode in STICKING else set[str]()
         self._settle(stuck, closing=self.touching - ({own.name} if own is not None else set()))
         if own is not None and before is not None and before.opens and own.name in self.touching:
@@ -115,7 +185,7 @@ class PoseChart(ModeChanges):
             self.causes = dict.fromkeys(low, CAUSES["rest"])
             self._settle({w.name for w in self.watches if w.mode in STICKING})
             return None
-        y = join(self.state, [watch.points for watch in self.watches])
+        y = self._variables(phase)
         limit, holders = self._limit_of_rest(regime)
         phase = phase._replace(is_past=self.meetings.past_of(self.state, regime.resting))
         segment = self.integrate(phase, self.t, y, min(self._until(phase, y, regime), limit), self.rtol)
@@ -127,7 +197,9 @@ class PoseChart(ModeChanges):
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
         self.partings = [one for one in self.partings if one[0] == segment.start]
-        meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
+        meeting: ElementMeeting | None = None
+        if not self._is_proven(segment):
+            meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
         if meeting is not None and meeting.time <= segment.event.time:
             segment = until_meeting(
                 segment,
@@ -145,13 +217,15 @@ class PoseChart(ModeChanges):
         if meeting is not None:
             if self._corners_meet(segment, meeting):
                 return CORNERS_MEET
+            if self.contact is not None and not self.touching:
+                self.watches.clear()  # wherever the plate lands, it is its only contact
             for pair, points in touching_contacts(self.case, np.array(self.state)):
                 self._watch(pair, points)  # others that close at the same instant, too, in the order of their elements
             watch = self._watch(meeting.pair, (meeting.xi1, meeting.xi2))
             self._settle(stuck, closing={watch.name})
             return None
         if segment.event.guard is None and self.t == limit:
-            self.released, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
+            self.at_limit, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
             self.may_slide = loss is None and not stuck & holders
             self._settle(stuck, self._closing())
             return None
@@ -213,8 +287,8 @@ class PoseChart(ModeChanges):
                 holders |= set(sides_of(watch.pair))
         if len(holders) == len(plates_of(self.case)):
             return end
-        often = frequency(phase, self.t, y)
-        return min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
+        often, lasts = frequency(phase, self.t, y), FOLLOWS if any(regime.rooms) else FLIES
+        return min(end, max(self.t + lasts / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
 
     def _advance(self, segment: Segment) -> None:
         self.segments.add(segment)
@@ -255,7 +329,7 @@ class PoseChart(ModeChanges):
             if self.may_float and self._is_touch(segment, guard):
                 self._settle(stuck)
                 return None
-        if kind == "lost":
+        if kind in ("lost", "room"):
             self.watches.remove(watch)
             self._settle(stuck)
             return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from math import inf
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -56,7 +57,8 @@ class SolverRegime(NamedTuple):
     contacts resist. `guides`: where forces are not
     unique; (False, False) for contacts that are no part of it, or open. `along`: for each closed contact the place of
     the first one of the same straight side; `anchors`: plates that contacts hold while others press on them;
-    `at_joint`: contacts that stay where two elements join, to rounding: they do not pass on within `AT_END`.
+    `at_joint`: contacts that stay where two elements join, to rounding: they do not pass on within `AT_END`; `rooms`:
+    of each contact the gap (m) up to which it is followed while it is open, 0 if it is not.
     """
 
     pairs: tuple[PairKey, ...]
@@ -71,6 +73,7 @@ class SolverRegime(NamedTuple):
     along: tuple[int | None, ...] = ()
     anchors: frozenset[int] = frozenset()
     at_joint: tuple[bool, ...] = ()
+    rooms: tuple[float, ...] = ()
 
 
 class SolverPhase(Phase):
@@ -169,7 +172,9 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
                 resistance=resistance.of_contact(k), holds=resistance.has_bound and sense == 0,
                 guides=regime.guides[k] if regime.guides else None, along=regime.along[k] if regime.along else None,
             )  # fmt: skip
-        forms.append(form)
+        room = regime.rooms[k] if regime.rooms else 0.0
+        forms.append(form._replace(has_gap=room > 0.0, has_room=0.0 < room < inf))
+        values[f"room_{k}"] = room
         values |= form.friction.values(pair, mode) | form.resistance.values(pair, sense) | form.surface.values(pair)
         values |= curve_sizes(track, f"track_{k}_") | curve_sizes(outline, f"outline_{k}_")
         for of_track, step in PIECE_ENDS.values():
@@ -204,10 +209,12 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
             lengths.append(_angle(piece, reaches[couple_of(pair).body]))
             if isinstance(piece, Curve):
                 features += [(3 * len(plates) + 2 * k + i, f) for _, f in _features((), piece)]
-    places = tuple(range(6 * len(plates) + 2 * len(some)))
+    lengths += [reaches[form.body] for form in forms if form.has_gap]
+    places = tuple(range(len(system.variables)))
     return SolverPhase(
         cast(Regime, regime), system, parameters, min(reaches), tuple(lengths), places, case, tuple(features),
-        bool(system.load_quantities),
+        bool(system.load_quantities), flies=len(plates) == 1 and all(mode is Mode.FLIGHT for mode in regime.modes),
+        follows=any(regime.rooms),
     )  # fmt: skip
 
 
@@ -216,14 +223,16 @@ def _angle(piece: Piece, reach: float) -> float:
     return 1.0 if isinstance(piece, Corner) else reach / float(piece.speed(piece.span[0]))
 
 
-def join(state: Sequence[float] | np.ndarray, points: Sequence[tuple[float, float]]) -> tuple[float, ...]:
-    """The variables of a phase: the plates' state with the parameters of its contacts."""
+def join(
+    state: Sequence[float] | np.ndarray, points: Sequence[tuple[float, float]], gaps: Sequence[float] = ()
+) -> tuple[float, ...]:
+    """The variables of a phase: the plates' state with the parameters of its contacts, and the gap that is followed."""
     half = len(state) // 2
-    return (*map(float, state[:half]), *(float(v) for pair in points for v in pair), *map(float, state[half:]))
+    return (*map(float, state[:half]), *(float(v) for pair in points for v in pair), *gaps, *map(float, state[half:]))
 
 
 def split(case: Case, y: Sequence[float] | np.ndarray) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
     """The plates' state, and the parameters of the contacts, of a phase's variables."""
     half = 3 * len(plates_of(case))
-    inside = list(y[half : len(y) - half])
-    return (*map(float, y[:half]), *map(float, y[len(y) - half :])), list(zip(inside[::2], inside[1::2], strict=True))
+    inside = list(y[half : len(y) - half])  # the last of an odd number is a gap
+    return (*map(float, y[:half]), *map(float, y[len(y) - half :])), list(zip(inside[::2], inside[1::2], strict=False))

@@ -1,8 +1,8 @@
 """The rows (8)″ and (9)′ of contacts of several plates, and (27) eliminated by hand.
 
-The variables are (x, y, θ) of every plate, (ξ₁, ξ₂) of every contact, and (vx, vy, ω) of every plate. `contact_terms`
-has a contact's rows. With q̈₁ from (16) and (19) they are linear in the contacts' forces, which are eliminated one after
-the other.
+The variables are (x, y, θ) of every plate, (ξ₁, ξ₂) of every contact, the gap of one that is followed, and (vx, vy, ω)
+of every plate. `contact_terms` has a contact's rows. With q̈₁ from (16) and (19) they are linear in the forces of the
+contacts, which are eliminated one after the other.
 """
 
 from __future__ import annotations
@@ -239,13 +239,14 @@ def _equations(
             for effect in law.own:
                 _add_own_force(free, form, term, effect.force(*motion))
     forces, acceleration, painleve, couples = _forces(forms, terms, free)
+    gaps = {k: symbol(f"gap_{k}") for k, form in enumerate(forms) if form.has_gap}
     acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
     equalities = dict[str, Node]()
     outputs = list[Node]()
     per_mass = [[force * _inverse((form.body, 0)) for force in pair] for form, pair in zip(forms, forces, strict=True)]
     for k, (term, form) in enumerate(zip(terms, forms, strict=True)):
-        outputs += [*forces[k], term.slip, term.gap]
+        outputs += [*forces[k], term.slip, gaps.get(k, term.gap)]
         normal, friction = per_mass[k]  # conditions have the units of accelerations, whatever that of mass
         if form.kind not in NO_ROWS:
             ends = [effect.ends(*motions[k]) for effect in law.own]
@@ -254,9 +255,11 @@ def _equations(
             continue
         limits |= _at(k, end_guards(form.ends, f"_{k}"))
         if form.kind is ContactRows.OPEN:
-            conditions[f"gap:{k}"] = term.gap
+            conditions[f"gap:{k}"] = gaps.get(k, term.gap)
             if term.clearance is not None:
                 limits[f"lost:{k}"] = term.clearance - symbol(f"lost_{k}")
+            if form.has_room:
+                limits[f"room:{k}"] = symbol(f"room_{k}") - gaps[k]
             continue
         if term.clearance is not None:
             limits[f"fit:{k}"] = term.clearance
@@ -283,12 +286,13 @@ def _equations(
     if painleve is not None and painleve.symbols:
         limits["painleve"] = painleve - node(PAINLEVE_LEAST**2)
     places = [symbol(f"xi{i}_{k}") for k in range(len(forms)) for i in (1, 2)]
-    positions = [*(v for b in range(count) for v in variables_of("position", b)), *places]
+    positions = [*(v for b in range(count) for v in variables_of("position", b)), *places, *gaps.values()]
     velocities = [v for b in range(count) for v in variables_of("velocity", b)]
     still = {symbol_ for b in resting for symbol_ in variables_of("velocity", b)}
     rates = [ZERO if v in still else v for v in velocities]
     for form, term in zip(forms, terms, strict=True):
         rates += term.rates if form.kind is not ContactRows.AWAY else (ZERO, ZERO)
+    rates += [apply_row(terms[k].lift_row, lambda one: variables_of("velocity", one[0])[one[1]]) for k in gaps]
     rates += [ZERO if b in resting else acceleration[b, c] for b in range(count) for c in range(3)]
     variables = (*positions, *velocities)
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}

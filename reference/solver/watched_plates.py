@@ -18,6 +18,7 @@ from ..effect_laws.restitution import creates_energy, impact_law
 from ..endings import (
     CAUSES,
     ENERGY,
+    LANDING_END,
     Ending,
     combination_limit_ending,
     events_without_time,
@@ -55,7 +56,8 @@ class MotionEnds(Exception):
 @dataclass
 class Watch:
     """A contact: its name, pair of elements with their own parameters, mode, the clearance (1/m) at which it is lost
-    while open, when it last passed to another element (s), and whether it stays where two elements join."""
+    while open, when it last passed to another element (s), whether it stays where two elements join, and the gap (m) up
+    to which it is the only one of its plate; and its place in the state that was last asked for."""
 
     name: str
     pair: PieceCase
@@ -64,6 +66,8 @@ class Watch:
     lost: float = 0.0
     pass_time: float = -1.0
     at_joint: bool = False
+    room: float = 0.0
+    last: tuple[PieceCase, tuple[float, ...], ContactPlace] | None = None
 
     def is_at(self, pair: PieceCase, points: tuple[float, float]) -> bool:
         """Whether it is of that pair at that place, in any round of closed curves."""
@@ -86,10 +90,10 @@ class WatchedPlates:
     largest so far, m/s; `impact_time`: of the last impact, s.
     """
 
-    def __init__(self, case: Case, t: float, state: tuple[float, ...]):
-        self.case, self.t, self.state, self.half = case, t, state, len(state) // 2
+    def __init__(self, case: Case, state: tuple[float, ...], hops: NestedSeries):
+        self.case, self.t, self.state, self.half = case, 0.0, state, len(state) // 2
         self.watches, self.touching, self.still = list[Watch](), set[str](), list[Sides]()
-        self.hops, self.causes, self.names = NestedSeries(), dict[str, str](), dict[tuple[int, int], str]()
+        self.hops, self.causes, self.names = hops, dict[str, str](), dict[tuple[int, int], str]()
         self.impact_time = -inf
         reaches = bodies(case).reaches
         self.speed = speed_scale(float(np.abs(load_at(case, 0.0, state)).max()), min(reaches))
@@ -137,9 +141,11 @@ class WatchedPlates:
         """The contacts in the present state; their parameters are updated."""
         result = list[ContactPlace]()
         for watch in some:
-            at = place(watch.pair, self.state, watch.points)
-            watch.points = at.xi1, at.xi2
-            result.append(at)
+            last = watch.last
+            if last is None or last[0] is not watch.pair or last[1] is not self.state:
+                last = watch.last = watch.pair, self.state, place(watch.pair, self.state, watch.points)
+            watch.points = last[2].xi1, last[2].xi2
+            result.append(last[2])
         return result
 
     def _closed(self) -> list[Watch]:
@@ -170,9 +176,9 @@ class WatchedPlates:
             near = zip(self.watches, self._places(self.watches), strict=True)
             self.touching |= closing | {watch.name for watch, at in near if at.gap <= least}
         touching = self._closed()
-        self.state, now = project(self.case, self.state, [(watch.pair, watch.points) for watch in touching])
+        self.state, now = project(self.case, self.state, self._places(touching))
         for watch, at in zip(touching, now, strict=True):
-            watch.points = at.xi1, at.xi2
+            watch.points, watch.last = (at.xi1, at.xi2), (watch.pair, self.state, at)
             watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0  # also of one that rebounds
         self.speed = max(self.speed, speed(self.case, self.state))
         if closing is not None:
@@ -261,6 +267,8 @@ class WatchedPlates:
         )  # fmt: skip
         xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
         flew = all(watch.mode is Mode.FLIGHT for watch in self.watches)
+        if flew and not self.case.others and support == TRACK:
+            return LANDING_END
         return no_impact_law(self.t, who, which, xi1, flew or bool(self.case.others))
 
     def _strike(

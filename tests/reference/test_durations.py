@@ -26,8 +26,8 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from reference.minimal import gap
 from reference.minimal.bouncing import LISTING_PART
+from reference.solver import march
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -214,11 +214,11 @@ def test_a_little_more_speed_than_that_is_a_departure(method, slip):
 # --- too many, too large, none ----------------------------------------------------------------------------------------
 
 
-def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(monkeypatch):
+def test_a_flight_too_fast_to_follow_says_how_far_it_was_followed(monkeypatch):
     # Near its track each of an ellipse's points may be the first to land, many times while it falls by its size.
     effects = (Gravity(G), Unilateral(), Flight(), Impact(0.5))
     spins = Case(line(), Plate(ellipse(0.1, 0.07), 1.0, 1e-3), effects, Start(0.0, 0.0, omega=1e6, gap=0.05), 1.0)
-    monkeypatch.setattr(gap, "MOST_LOOKS", 1000)
+    monkeypatch.setattr(march, "MOST_STEPS", 1000)
     motion = reference.simulate(spins, rtol=1e-6)
     assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
     fallen = 0.5 * G * motion.t**2

@@ -22,7 +22,7 @@ from ...effect_laws import laws
 from ...endings import BREAKDOWN
 from ...scales import EPS, frequency
 from ..defect_check import good_part
-from ..modes import FLIGHT, Phase
+from ..modes import Phase
 from .first_step import SHORTER, runge_kutta
 from .segment import MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 from .step_zeros import FINE, NODES, first_zero, growing_gaps, guard_at, guards_at_nodes, never_opens, weights
@@ -120,8 +120,9 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
     atol = rtol * _scales(phase, often, len(y))
     if end <= t or not np.isfinite(atol).all():
         return _end_event(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
-    # A flight is integrated over its estimated duration, often by one step: a constant force needs no more.
-    first = end - t if phase.regime == FLIGHT else _first_step(often, rhs, t, y, end, rtol, atol)
+    # A flight over its estimated duration takes one step, often: a constant force needs no more. Where a contact is
+    # followed a step is as long as the gap is resolved.
+    first = end - t if phase.flies and not phase.system.guards else _first_step(often, rhs, t, y, end, rtol, atol)
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
@@ -279,7 +280,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         return _PiecewiseOutput([p.t_old for p in pieces], pieces) if pieces else piece, stop
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
-    inner = max(part - 1e-4, 0.0)
+    inner = part - min(1e-4, 0.5 * part)  # not the start, where a gap is zero as well
     fall = guard_at(phase, piece, index, part) - guard_at(phase, piece, index, inner)
     slope = fall / ((part - inner) * whole)
     t, y = float(again.t), again.y

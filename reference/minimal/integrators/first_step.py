@@ -136,7 +136,9 @@ def opening_gaps(phase: Phase, y, starts: Sequence[float], later: Sequence[tuple
 
 
 def gap_rounding(phase: Phase, y) -> float:
-    """The rounding of a gap, m, in a state."""
+    """The rounding of a gap, m, in a state: none of one that is followed, as it is a variable that grows from zero."""
+    if phase.follows:
+        return 0.0
     return ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
 
 

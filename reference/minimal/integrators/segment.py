@@ -13,8 +13,6 @@ from ..modes import Phase
 
 # Used instead of a guard's name if a motion reached its limit on steps.
 OUT_OF_STEPS = "exhausted"
-# Used instead of a guard's name if the search for landings reached its limit on work.
-LOST_SIGHT = "lost sight"
 # Limit on the steps of a phase: the compiled loop takes five seconds for them, their record 400 MB.
 MOST_STEPS = 400_000
 # The limit if each step is processed separately (a third of a millisecond, with a load in place or velocity up to one:

@@ -161,7 +161,7 @@ def never_opens(phase: Phase, piece, guard: str, when: float, first: bool) -> bo
     rate, rounding = _rate(phase, piece, guard), gap_rounding(phase, piece.y_old)
     if not first and rate * piece.h < -rounding:  # it has opened by a rounding and closes
         return False
-    # A hop of the least height that is no rounding, `flight_end.REBOUND_ROUNDINGS`, rises to a quarter of this.
+    # A hop of the least height that is no rounding, `bouncing.REBOUND_ROUNDINGS`, rises to a quarter of this.
     return rate * (when - piece.t_old) <= rounding
 
 
