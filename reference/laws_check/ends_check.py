@@ -217,5 +217,9 @@ def _least_gap(samples: MotionSamples) -> float:
 
 
 def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
-    """Whether a plate may meet something at the end of a motion."""
-    return is_impact(samples, scales, rtol) or _least_gap(samples) < (MEETS + PARTS * rtol) * scales.extent
+    """Whether a plate may meet something at the end of a motion; of several plates that is not known."""
+    return (
+        bool(samples.case.others)
+        or is_impact(samples, scales, rtol)
+        or _least_gap(samples) < (MEETS + PARTS * rtol) * scales.extent
+    )

@@ -61,7 +61,8 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
             continue
         with_others = sum(abs(other.time - change.time) <= near for other in samples.transitions) > 1
         if change.before is Mode.FLIGHT:
-            yield from _landing(samples, scales, change, step, with_others)
+            if change.cause != CAUSES["piece"]:
+                yield from _landing(samples, scales, change, step, with_others)
             continue
         contact = next((c for c in samples.contacts if c.law.name == (change.contact or CONTACT)), None)
         if contact is None:
