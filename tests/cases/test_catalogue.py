@@ -112,7 +112,7 @@ def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarra
 @pytest.mark.sampled(6)
 def test_two_formulations_agree(any_case, accuracy):
     if len(motion_of(any_case).contact_names) > 1:
-        pytest.skip("several contacts: both formulations are compared in tests/reference/test_several_contacts.py")
+        pytest.skip("several contacts: both formulations are compared in tests/reference/test_agreement.py")
     times = times_of(any_case)[::5]
     theirs = second(any_case, times)
     compare(any_case, theirs, times, accuracy)
