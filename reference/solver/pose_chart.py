@@ -11,6 +11,7 @@ import numpy as np
 
 from cases import Belt, Case, Mode
 from cases.contact import belt_speed, clearance, start_motion
+from cases.curves.corner import Corner
 from cases.motion.trajectory import CONTACT
 from cases.scene.contact_limits import has_features
 from cases.scene.free_plates import plates_of
@@ -37,6 +38,7 @@ from . import forces
 from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
 from .contact_chart import ContactChart, Departure, pair_in_couple
 from .hops import NestedSeries
+from .impact_ends import MAY_LAND
 from .meet import Meetings, until_meeting
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
@@ -60,6 +62,8 @@ FITS = 1e-6
 FLIES = 4.0
 # The same where its contact is followed: a longer one would add up the errors of its gap.
 FOLLOWS = 64.0
+# A side lies down where a corner's direction is beyond its end by more than this, rad: errors of dense output are less.
+LIES = 1e-6
 # An open contact is followed up to this part of the gap beyond which it may no longer be the only one.
 ALONE = 0.5
 
@@ -200,6 +204,9 @@ class PoseChart(ModeChanges):
         meeting: ElementMeeting | None = None
         if not self._is_proven(segment):
             meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
+        over = self._lies_down(segment) if meeting is None or meeting.time > segment.event.time else None
+        if over is not None:
+            segment = segment.cut(over, None)
         if meeting is not None and meeting.time <= segment.event.time:
             segment = until_meeting(
                 segment,
@@ -219,10 +226,14 @@ class PoseChart(ModeChanges):
                 return CORNERS_MEET
             if self.contact is not None and not self.touching:
                 self.watches.clear()  # wherever the plate lands, it is its only contact
-            for pair, points in touching_contacts(self.case, np.array(self.state)):
-                self._watch(pair, points)  # others that close at the same instant, too, in the order of their elements
+            self._watch_touching()
             watch = self._watch(meeting.pair, (meeting.xi1, meeting.xi2))
             self._settle(stuck, closing={watch.name})
+            return None
+        if over is not None:
+            before = {watch.name for watch in self.watches}
+            self._watch_touching(MAY_LAND)
+            self._settle(stuck, closing={watch.name for watch in self.watches} - before)
             return None
         if segment.event.guard is None and self.t == limit:
             self.at_limit, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
@@ -230,6 +241,30 @@ class PoseChart(ModeChanges):
             self._settle(stuck, self._closing())
             return None
         return self._event(segment, stuck)
+
+    def _watch_touching(self, part: float = TOUCHES) -> None:
+        """Watch also others that close at the same instant, in the order of their elements; `part` as of
+        `touching_contacts`."""
+        for pair, points in touching_contacts(self.case, np.array(self.state), part):
+            self._watch(pair, points)
+
+    def _lies_down(self, segment: Segment) -> float | None:
+        """When a side lies down in a segment, s: the direction of a closed contact at a corner passes its end. Where
+        dense output has an error, the gap of the side's other end may not be seen to close. None if none does."""
+        ends = [
+            (self.half + 2 * k + (0 if of_track else 1), step, corner.ends[1 if step > 0 else 0])
+            for k, watch in enumerate(self.watches) if watch.mode is not Mode.FLIGHT
+            for of_track, step in PIECE_ENDS.values()
+            if isinstance(corner := watch.pair.pieces[0 if of_track else 1], Corner) and corner.ends is not None
+        ]  # fmt: skip
+        states = segment.states(np.array([segment.start, segment.event.time])) if ends else np.zeros((0, 2))
+        for row, step, end in ends:
+            if step * (states[row, 0] - end) < 0.0 and step * (states[row, 1] - end) > LIES:
+                from scipy.optimize import brentq  # slow to import, and most motions never come here
+
+                root = partial(lambda t, row, end: segment.states(np.array([t]))[row, 0] - end, row=row, end=end)
+                return float(brentq(root, segment.start, segment.event.time))
+        return None
 
     def _corners_meet(self, flight: Segment, meeting: ElementMeeting) -> bool:
         """Whether a corner meets a corner from which it has not just departed, and the plate touches nothing else. An
@@ -391,6 +426,7 @@ class PoseChart(ModeChanges):
                 watch.at_joint = True
                 self._settle(stuck)
                 return None
+            self._watch_touching()
             self._settle(stuck, closing={other.name})
             return None
         self.causes[watch.name] = CAUSES["piece"]

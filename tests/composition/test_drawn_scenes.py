@@ -39,7 +39,9 @@ def test_the_first_three_thousand_seeds_have_every_pair_of_kinds():
 # that left an edge met the face behind it; a side sank into one on which it lay flat; plates on two belts sank; the
 # only contact lost its modes; plates of infinite inertia on tracks that turn were rejected; an
 # arc at the other end of an edge sank into a wave; a corner was met next to the contact that comes to it; a box
-# that a belt carries came to a corner and stayed; a plate behind an open support overlapped nothing.
+# that a belt carries came to a corner and stayed; a plate behind an open support overlapped nothing; two contacts of
+# one plate had one name; of a step's face that a box meets flat only the inner corner was hit; a side that lay down
+# between two places of dense output turned on.
 FOUND = [
     7011,
     300017,
@@ -54,6 +56,9 @@ FOUND = [
     212470008,
     224190758,
     165831284,
+    67026584,
+    67027337,
+    67027305,
 ]
 
 
