@@ -298,8 +298,11 @@ def _trajectory(
     if not segments:
         # No motion and no contact force: the plate leaves at once, or no force is consistent.
         first, nothing = start_state(case), np.zeros(1)
-        now = phase_at(start_pieces(case), candidates(case)[-1], first)
-        start = solver.observe(case, now, nothing, np.array(state_in(now, first))[:, None])
+        if case.start.in_contact:
+            now = phase_at(start_pieces(case), candidates(case)[-1], first)
+            start = solver.observe(case, now, nothing, np.array(state_in(now, first))[:, None])
+        else:
+            start = State(*(np.array([value]) for value in (*first, *(np.nan,) * (len(State._fields) - len(first)))))
         start = start._replace(normal_force=nothing, friction_force=nothing)
         if case.others:
             poses = {name: pose[:, None] for name, pose in zip(names_of(case), start_poses(case), strict=True)}

@@ -323,7 +323,10 @@ class PoseChart(ModeChanges):
         if len(holders) == len(plates_of(self.case)):
             return end
         often, lasts = frequency(phase, self.t, y), FOLLOWS if any(regime.rooms) else FLIES
-        return min(end, max(self.t + lasts / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
+        # A plate that is far away from its only contact takes as long to come back.
+        away = max((at.gap for at in self._places(self.watches)), default=0.0) if any(regime.rooms) else 0.0
+        lasts = max(lasts / often, away / self.speed) if often else end
+        return min(end, self.t + max(lasts, 1e3 * float(np.spacing(self.t))))
 
     def _advance(self, segment: Segment) -> None:
         self.segments.add(segment)

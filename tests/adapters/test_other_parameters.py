@@ -78,7 +78,7 @@ def test_an_exported_track_without_ends_is_where_the_plate_may_come():
 @lru_cache
 def motion(engine: str, route: str, name: str, how: str):
     """The motion at the coarsest setting, or None where the route does not support the case."""
-    adapter = importlib.import_module(f"adapters.{engine}.adapter")
+    adapter = importlib.import_module(f"adapters.{engine}")
     own = SCENES[name]()
     if adapter.refuses(own, route):
         return None
