@@ -8,7 +8,7 @@ from cases import Case, Curve, Flight, Gravity, Plate, Start, Unilateral, disc, 
 from cases.contact.nearest import nearest
 
 
-@pytest.mark.parametrize("speed", [1e3, 1e17, 1e30])
+@pytest.mark.parametrize("speed", [1e3, 1e17, 1e20])
 def test_a_plate_that_flies_off_for_good_never_lands_however_far_it_is(speed):
     """Beyond 1e15 times a hill's size no double says which of its sides is the nearer."""
     effects = (Gravity(9.81), Unilateral(), Flight())

@@ -199,14 +199,14 @@ def test_an_engine_that_fails_since_its_folder_is_gone_has_no_row(place, monkeyp
             tasks.survey(case, "fake")
 
 
-def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_each_alone():
+def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_the_others():
     some = [cases.load("disc_in_circle", mu=mu) for mu in (0.1, 0.2, 0.3)]
     usual, broken = InThisProcess(), InThisProcess()
     broken.broken = some[1]
     expected = {(case.label, "reference"): tasks.survey(case, "reference") for case in some}
-    assert experiment.offers(some, ["reference"], usual) == expected and len(usual.made) == 1
+    assert experiment.offers(some, ["reference"], usual) == expected
     offers = experiment.offers(some, ["reference"], broken)
     (failed,) = offers.pop((some[1].label, "reference"))
-    assert (failed.outcome, failed.reason) == ("crashed", "asking for its ladder: gone") and len(broken.made) == 4
+    assert (failed.outcome, failed.reason) == ("crashed", "asking for its ladder: gone")
     assert list(offers) == [key for key in expected if key[0] != some[1].label]
     assert offers.items() <= expected.items()

@@ -48,8 +48,9 @@ def sampled(exact: Trajectory, count: int) -> Trajectory:
 
 # --- exact motions ----------------------------------------------------------------------------------------------------
 
-# Constant forces: two parabolas meet, but for the rounding of their positions (1e-16 m over a jump of 0.1 m/s).
-MEETING = 1e-13
+# Constant forces: two parabolas meet, but for the rounding of their positions (1e-16 m over a jump of 0.1 m/s) and of
+# the gap that the motion integrates, whose zero is the impact.
+MEETING = 2e-13
 # Slip, turning and leaving are extrapolated by polynomials; bounds ten times (gap / 0.3 s)^5 as in test_metrics.py,
 # or, where a contact lasts less than that, so many gaps as the width of a local polynomial.
 EXACT = {

@@ -348,6 +348,7 @@ WALK = {
                 needs="node",
                 before="python -m pip install --quiet --disable-pip-version-check pytest",
             ),
+            Step("slip-to-roll release benchmark", (r"canonical-friction-benchmark-[0-9.]+\.zip, .* MB: 48 scenes",)),
         ),
         MY_ENGINE,
     ),
