@@ -19,11 +19,13 @@ from .events import event_defects, limit_of_impacts
 from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
-from .samples import ContactInstants, MotionSamples, of_motion, steps_of
+from .samples import ContactInstants, MotionSamples, PlateSamples, nodes_of, of_motion, plates_of_motion, steps_of
 from .tolerances import DRIVEN, OVERLAPS, POSE
 
 # Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
 DIVIDED, DIVISIONS, MOST_DIVIDED = 4, 5, 8
+# Overlaps are looked for where plates go so far at the most, in parts of their size, but in so many parts of a step.
+WAY, MOST_WAYS = 0.8, 64
 # Steps in which a sign is not resolved are divided into so many parts.
 SIGN_PARTS = 16
 
@@ -143,8 +145,25 @@ def _other_defects(
         yield from impact_defects(samples, scales, sudden, rtol)
     yield from laws.energy_defects(samples, scales)
     yield from event_defects(samples, scales, sudden.times)
-    for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
+    for depth in penetration.depths(samples.case, *_short_ways(samples, scales), samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", OVERLAPS)
+
+
+def _short_ways(samples: MotionSamples, scales: MotionScales) -> tuple[np.ndarray, tuple[PlateSamples, ...]]:
+    """Times (parts, nodes) and plates there, of the steps and of parts in which no plate goes far: a narrow ripple that
+    is a thousandth of a plate's size deep in it is there for a twentieth of that."""
+    ways = [
+        np.abs(np.diff(one.place, axis=1)).sum(axis=1) / size
+        for one, size in zip(samples.plates, scales.reach, strict=True)
+    ]
+    count = np.clip(np.ceil(np.max(ways, axis=0) / WAY), 1, MOST_WAYS).astype(int)
+    if (count == 1).all():
+        return samples.times, samples.plates
+    part = np.concatenate([np.arange(n) / n for n in count])
+    length = np.repeat(samples.length, count)
+    start = np.repeat(samples.start, count) + length * part
+    times = nodes_of(start, start + length / np.repeat(count, count))
+    return times, plates_of_motion(samples.motion, times)
 
 
 def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:

@@ -200,9 +200,7 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray
     """The samples of some steps (starts and ends, s) of any motion with dense output, of a case with a track at
     rest."""
     times = nodes_of(start, end)
-    flat = times.ravel()
-    every = [state_of(motion, name, flat) for name in motion.plate_names]
-    plates = tuple(_plate(state, times.shape) for state in every)
+    plates = plates_of_motion(motion, times)
     near = parameters_near(case, motion.transitions)
     contacts = [_contact(case, motion, name, plates, times, near) for name in motion.contact_names]
     rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
@@ -211,6 +209,11 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray
         case, start, end, times, plates, tuple(c for c in contacts if len(c.steps)), is_straight,
         {name: np.array(values) for name, values in near.items()}, motion,
     )  # fmt: skip
+
+
+def plates_of_motion(motion: Trajectory, times: np.ndarray) -> tuple[PlateSamples, ...]:
+    """All plates of a motion at times of any shape, s."""
+    return tuple(_plate(state_of(motion, name, times.ravel()), times.shape) for name in motion.plate_names)
 
 
 def parameters_near(case: Case, transitions: Sequence[Transition]) -> dict[str, list[float]]:

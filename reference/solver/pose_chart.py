@@ -325,7 +325,8 @@ class PoseChart(ModeChanges):
         often, lasts = frequency(phase, self.t, y), FOLLOWS if any(regime.rooms) else FLIES
         # A plate that is far away from its only contact takes as long to come back.
         away = max((at.gap for at in self._places(self.watches)), default=0.0) if any(regime.rooms) else 0.0
-        lasts = max(lasts / often, away / self.speed) if often else end
+        now = speed(self.case, self.state)
+        lasts = max(lasts / often, away / now if now else 0.0) if often else end
         return min(end, self.t + max(lasts, 1e3 * float(np.spacing(self.t))))
 
     def _advance(self, segment: Segment) -> None:
