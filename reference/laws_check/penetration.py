@@ -48,7 +48,7 @@ def corners_of(outline: Curve) -> np.ndarray | None:
         s = np.linspace(*outline.span, CORNERS, endpoint=False)
     x, y = outline.point(s)
     corners = x + 1j * y
-    return corners[np.abs(corners - np.roll(corners, 1)) > 0.0]
+    return corners[np.abs(corners - np.roll(corners, 1)) > 1e-12 * np.abs(corners).max()]  # a side has a direction
 
 
 @lru_cache(maxsize=256)
