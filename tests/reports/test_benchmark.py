@@ -52,8 +52,8 @@ def test_the_archive_states_scenes_and_their_truth(unpacked):
 @pytest.mark.parametrize("name", MAKE)
 def test_a_reader_prints_paired_errors(unpacked, name, tmp_path):
     program, make = MAKE[name]
-    if shutil.which(program) is None:
-        pytest.skip(f"{program} is not here")
+    if shutil.which(program) is None or subprocess.run([program, "--version"], capture_output=True).returncode:
+        pytest.skip(f"{program} is not here, or does not start")
     mine = tmp_path / "mine.csv"
     case = LABELS[0]
     # The first transition is late by a millisecond, the last one is missed, and another one is not in the truth.
