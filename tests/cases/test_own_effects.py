@@ -128,12 +128,13 @@ def test_a_growing_force_that_lifts_in_contact_alone_ends_the_motion_where_it_is
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_bounces_are_those_of_the_weight_alone(across, e):
     """A drop from 0.1 m with restitution e ends after √(2 h/g) (1 + e)/(1 − e), whatever acts in contact alone; there a
-    force of three times the weight leaves nothing that may follow, and a magnet of that force begins to hold."""
+    force of three times the weight leaves nothing that may follow (the first formulation's paradox; the second sees
+    changes without time), and a magnet of that force begins to hold."""
     case = on_line(Lift(across), Flight(), Impact(e), gap=0.1)
     exact = np.sqrt(2 * 0.1 / 9.81) * (1 + e) / (1 - e)
     for motion in all_motions(case):
         time = end_of(motion) if across > 0.0 else motion.transitions[-1].time
-        assert motion.status == ("accumulation" if across > 0.0 else "completed")
+        assert motion.status in (("completed",) if across < 0.0 else ("paradox", "accumulation"))
         assert time == pytest.approx(exact, abs=1e-13)
         assert across > 0.0 or motion.transitions[-1].after is Mode.ROLL
 

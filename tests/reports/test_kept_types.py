@@ -27,8 +27,9 @@ from .identical import identical
 pytestmark = pytest.mark.builds
 
 ROOT = Path(reports.__file__).parent
-# The methods of `Calls` that keep answers, and the functions that pass on what they are given to keep.
-KEEPING, PASSING = {"all", "each"}, {"reports.running.calls"}
+# The methods of `Calls` that keep answers, the modules that pass on what they are given to keep, and a function whose
+# first argument has the answers that are kept.
+KEEPING, PASSING, KEEPS_FIRST = {"all", "each"}, {"reports.running.calls"}, "together"
 
 
 def modules() -> list[str]:
@@ -45,7 +46,9 @@ def kept_by(module: str) -> list[str]:
         if isinstance(node, ast.Call) and any(word.arg == "keep" for word in node.keywords) and module not in PASSING:
             if isinstance(node.func, ast.Attribute) and node.func.attr in KEEPING:
                 found.append(ast.unparse(node.args[1]))
-    return found
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) == KEEPS_FIRST:
+            found.append(ast.unparse(node.args[0]))
+    return [name for name in found if name != "function"]  # an argument of `together`
 
 
 FUNCTIONS = [(module, name) for module in modules() for name in kept_by(module)]

@@ -214,13 +214,17 @@ def test_an_exported_motion_is_still_true(label, archive):
     assert run.outcome == "answered" and run.score.off < 1e-5, run.reason
 
 
+# Contacts of plates with corners are read from poses now: CHANGELOG.
+CHANGED = {"scene.several_contacts was False and is True"}
+
+
 @pytest.mark.parametrize("label", EXPORTS)
 def test_a_scene_has_every_key_and_number_that_it_had(label, archive, tmp_path):
     """So an engine that reads the scene of 0.2.0 reads today's: keys may be added, none may go or change."""
     export.export(cases.load(label), tmp_path, points=POINTS)
     before, after = ((folder / "scene.json") for folder in (archive / "exported" / label, tmp_path))
-    lost = list(differences(json.loads(before.read_text()), json.loads(after.read_text())))
-    assert not lost, "\n".join(lost)
+    lost = set(differences(json.loads(before.read_text()), json.loads(after.read_text())))
+    assert lost <= CHANGED, "\n".join(lost)
     for name in ("track.csv", "outline.csv"):
         texts = ((folder / name).read_text().splitlines() for folder in (archive / "exported" / label, tmp_path))
         assert len({(rows[0], len(rows)) for rows in texts}) == 1
