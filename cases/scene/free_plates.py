@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import effects as all_effects
 from ..contact.outline_features import is_arc
-from ..contact.overlap_search import OVERLAPS, overlaps
+from ..contact.overlap_search import OVERLAPS, overlaps, polygon_of
 from ..contact.polygon_features import (
     Region,
     TouchCircle,
@@ -216,6 +216,14 @@ def check_parts(case: Any) -> None:
         check_law(case, f"support {support.name!r}", support.effects or ())
 
 
+def _holds_centre(one: Plate, other: Plate, x: float, y: float) -> bool:
+    """Whether a plate's centre, at a place in another one's frame, is inside that: a small plate may lie wholly in it,
+    where no points of both outlines are nearest."""
+    if not (one.outline.period and other.outline.period and other.encloses_centre):
+        return False
+    return bool(polygon_of(one.outline).holds(np.array([x]), np.array([y]))[0])
+
+
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support, or lie behind one, where the motion begins."""
     names, plates, poses = names_of(case), plates_of(case), start_poses(case)
@@ -235,7 +243,10 @@ def check_places(case: Any) -> None:
         for a, base in enumerate(plates[:b]):
             u, v = local_centre(poses[a], x, y)
             turn, is_near = theta - float(poses[a, 2]), hypot(u, v) <= plate.reach + base.reach
-            if is_near and overlaps(backwards(base.outline), plate.outline, float(u), float(v), turn):
+            is_inside = _holds_centre(base, plate, float(u), float(v)) or _holds_centre(
+                plate, base, *map(float, local_centre(poses[b], *poses[a, :2].tolist()))
+            )
+            if is_near and (is_inside or overlaps(backwards(base.outline), plate.outline, float(u), float(v), turn)):
                 bases.append(names[a])
         if bases:
             both, alone = f"{names[b]}/{bases[0]} overlap where they begin", f"the plate overlaps support {bases[0]!r}"

@@ -6,7 +6,22 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cases import Case, Curve, DoesNotFit, Flight, Gravity, Plate, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    DoesNotFit,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Plate,
+    Start,
+    StartPose,
+    Unilateral,
+    disc,
+    library,
+)
 from cases.contact.overlap_search import deepest_overlap
 from cases.library import ellipse
 
@@ -95,3 +110,12 @@ def test_random_starts_over_ripples_are_rejected_if_and_only_if_they_overlap(see
                 rejected.append(True)
             assert rejected[-1] == (height < 0.0), (seed, height)
     assert any(rejected) and not all(rejected)
+
+
+def test_a_small_plate_inside_another_one_overlaps_it():
+    """No points of both outlines are nearest there: the disc is deeper inside than it is wide."""
+    inside = FreePlate(disc(0.05, 1.0), StartPose(0.0, 0.5), "small")
+    effects = Gravity(9.81), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.0)
+    block = Plate.rectangle(0.5, 0.4, 1.0, radius=0.05)
+    with pytest.raises(DoesNotFit, match="small/plate overlap"):
+        Case(library.line(), block, effects, StartPose(0.0, 0.5), 1.0, others=(inside,))
