@@ -20,11 +20,10 @@ from cases import BadValue, Case, CaseError, Trajectory, registry
 from cases.errors import unknown_name
 
 from .certification.bars import Bar
+from .certification.certificate import SAMPLES
 from .certification.witnesses import states_of
 from .solve import simulate
 
-# Instants of the states, from the start to the end, as of certificates.
-INSTANTS = 11
 # The first step in units of the parameter; a parameter that is 0 has the unit 1.
 FIRST = 1e-2
 # Steps are halved so often for the extrapolation, and before, until the sequence of transitions stays.
@@ -76,7 +75,7 @@ def derivatives(case: Case, parameter: str, rtol: float = 1e-14) -> Derivatives:
         return simulate(replace(make(p), duration=case.duration), rtol=rtol)
 
     centre = motion(value)
-    times = np.linspace(0.0, float(centre.t[-1]), INSTANTS)
+    times = np.linspace(0.0, float(centre.t[-1]), SAMPLES)  # as of certificates
     steps, sides = _steps(parameter, value, motion, centre, times)
     found = _extrapolated(steps, _numbers(centre, times), sides)
     count = len(centre.transitions)

@@ -42,7 +42,7 @@ Pose = tuple[float, float, float]
 
 # Pieces of one curve that are kept from pose to pose: a few megabytes.
 MOST_KEPT = 20_000
-# Halvings after which pieces are as short as roundings, and boxes that are too many to be told apart: both curves have
+# Halvings after which pieces are as short as roundings, and more boxes than can be distinguished: both curves have
 # nearly the same common normals everywhere.
 ROUNDS, MOST_BOXES = 50, 20_000
 # Newton's method is tried in at most so many boxes of a round, in which the tangents turn by less than STRAIGHT (rad).

@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import effects as all_effects
 from ..contact.outline_features import is_arc
-from ..contact.overlap_search import OVERLAPS, overlaps, polygon_of
+from ..contact.overlap_search import OVERLAPS, overlaps
 from ..contact.polygon_features import (
     Region,
     TouchCircle,
@@ -35,7 +35,7 @@ from ..effects import Drive, E, Effect, Load
 from ..errors import BadValue, DoesNotFit, NotSupported
 from .contact_names import FIRST, TRACK, check_word, contact_name
 from .pair_effects import check_law
-from .plate import Plate, is_convex
+from .plate import Plate, contains, is_convex
 from .start_pose import StartPose
 from .supports import Support, check_side, effects_at, is_straight
 
@@ -219,9 +219,8 @@ def check_parts(case: Any) -> None:
 def _holds_centre(one: Plate, other: Plate, x: float, y: float) -> bool:
     """Whether a plate's centre, at a place in another one's frame, is inside that: a small plate may lie wholly in it,
     where no points of both outlines are nearest."""
-    if not (one.outline.period and other.outline.period and other.encloses_centre):
-        return False
-    return bool(polygon_of(one.outline).holds(np.array([x]), np.array([y]))[0])
+    are_closed = one.outline.period and other.outline.period
+    return bool(are_closed and other.encloses_centre and contains(one.outline, ((x, y),)))
 
 
 def check_places(case: Any) -> None:

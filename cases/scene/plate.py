@@ -75,7 +75,7 @@ class Plate:
             instance("outline of Plate.homogeneous", curve, Curve)
         rows = [(1.0, area_inside(outline))]
         for part, density in parts:
-            if not _contains(outline, part.point(samples_around(part)).T):
+            if not contains(outline, part.point(samples_around(part)).T):
                 raise BadCurve("a hole or inlay is not inside the outline; give one that is")
             rows.append((density - 1.0, area_inside(part)))
         weight = sum(density * area.area for density, area in rows)
@@ -159,7 +159,7 @@ class Plate:
     @property
     def encloses_centre(self) -> bool:
         """Whether the centre of mass is inside the outline; true of an open outline, which encloses nothing."""
-        return not self.outline.period or _contains(self.outline, ((0.0, 0.0),))
+        return not self.outline.period or contains(self.outline, ((0.0, 0.0),))
 
     @property
     def inner(self) -> float:
@@ -197,7 +197,7 @@ def _runs_clockwise(outline: Curve) -> bool:
     return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))
 
 
-def _contains(outline: Curve, points) -> bool:
+def contains(outline: Curve, points) -> bool:
     """Whether points (n, 2) are inside a closed outline."""
     return bool(polygon_of(outline).holds(*np.asarray(points).T).all())
 

@@ -133,12 +133,6 @@ class Geometry:
             whole = outline.table(outline.roots)
             self.farthest = float((np.hypot(whole[X], whole[Y]) + whole[REACH]).max())
 
-    @classmethod
-    def of_case(cls, case: Case) -> Geometry:
-        """That of a track and an outline without corners."""
-        plate = case.plate
-        return cls(Pieces(case.track), Pieces(plate.outline), plate.radius, plate.reach)
-
     def bounds(self, motion: Windows, boxes: Boxes) -> Bounds:
         """Bounds that may exclude a meeting, for each box. An infinite bound excludes nothing."""
         with np.errstate(all="ignore"):

@@ -21,7 +21,7 @@ from cases.scene.piece_case import PieceCase
 
 from .boxes import Cores, Geometry
 from .meetings import Meeting, MeetingSearch
-from .windows import DEGREE, Windows, windows
+from .windows import Windows, windows
 
 # In a window the plate turns by at most this (rad), so that the path of a corner is a polynomial.
 TURN = 1.0
@@ -63,7 +63,7 @@ class ElementSearch:
             elements = pair.first, pair.second
             key = tuple(one.number if isinstance(one.piece, Corner) else None for one in elements)
             if key not in motions:
-                motions[key] = windows(_path(pair, poses), edges, pair.whole.plate.reach, DEGREE)
+                motions[key] = windows(_path(pair, poses), edges, pair.whole.plate.reach)
             some = motions[key]
             if earliest is not None:
                 some = Windows(*(column[some.start < earliest.time] for column in some))

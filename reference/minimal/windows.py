@@ -11,8 +11,8 @@ from numpy.polynomial import chebyshev
 
 from ..scales import EPS
 
-# Polynomials of this degree go through a window; a motion under constant forces is one of degree two.
-DEGREE, PARABOLA = 16, 2
+# Polynomials of this degree go through a window.
+DEGREE = 16
 # A window whose last coefficients are larger than this part of the largest is halved, at most HALVINGS times.
 TAIL_PART, HALVINGS = 1e-13, 8
 # Roundings of a place computed from some coefficients.
@@ -42,25 +42,25 @@ class Windows(NamedTuple):
         return _values(self.places[which], z), _values(self.rates[which], z)
 
 
-def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) -> Windows:
+def windows(poses: Poses, edges: np.ndarray, size: float) -> Windows:
     """The windows between the times `edges`, halved where the polynomials are not accurate. `poses` maps times (m,) to
     (x, y, θ), shape (3, m); `size` (m) is the plate's, by which a turn moves its points."""
     start, end = edges[:-1], edges[1:]
-    places = _fit(poses, start, end, degree)
+    places = _fit(poses, start, end)
     for _ in range(HALVINGS):
         coarse = (_tail(places) > TAIL_PART * _scale(places, size)).any(axis=1)
-        if degree < DEGREE or not coarse.any():
+        if not coarse.any():
             break
         middle = 0.5 * (start[coarse] + end[coarse])
         halves = np.concatenate([start[coarse], middle]), np.concatenate([middle, end[coarse]])
-        new_places = _fit(poses, *halves, degree)
+        new_places = _fit(poses, *halves)
         start, end, places = (
             np.concatenate([old[~coarse], new])
             for old, new in zip((start, end, places), (*halves, new_places), strict=True)
         )
     order = np.argsort(start)
     start, end, places = start[order], end[order], places[order]
-    tail, scale = _tail(places) if degree == DEGREE else np.zeros((len(start), 3)), _scale(places, size)
+    tail, scale = _tail(places), _scale(places, size)
     error = np.max((tail + ROUNDINGS * EPS * scale) * np.array([1.0, 1.0, size]), axis=1)
     places = places[:, :, : _count_terms(places)]
     per_second = 2.0 / (end - start)[:, None, None]
@@ -83,23 +83,19 @@ def _derivatives(count: int) -> np.ndarray:
     return chebyshev.chebder(np.eye(count), axis=1)
 
 
-def _fit(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np.ndarray:
-    """Chebyshev coefficients of x, y, θ, shape (n, 3, degree + 1)."""
-    nodes, to_coefficients = _nodes(degree)
+def _fit(poses: Poses, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Chebyshev coefficients of x, y, θ, shape (n, 3, DEGREE + 1)."""
+    nodes, to_coefficients = _nodes()
     times = 0.5 * (start + end)[:, None] + 0.5 * (end - start)[:, None] * nodes
     values = poses(times.ravel()).reshape(3, len(start), len(nodes))
     return (values @ to_coefficients.T).transpose(1, 0, 2)
 
 
-_NODE_CACHE: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-
-
-def _nodes(degree: int) -> tuple[np.ndarray, np.ndarray]:
+@lru_cache(maxsize=1)
+def _nodes() -> tuple[np.ndarray, np.ndarray]:
     """Chebyshev's nodes and the matrix from values there to coefficients."""
-    if degree not in _NODE_CACHE:
-        nodes = chebyshev.chebpts1(degree + 1)
-        _NODE_CACHE[degree] = nodes, np.linalg.inv(chebyshev.chebvander(nodes, degree))
-    return _NODE_CACHE[degree]
+    nodes = chebyshev.chebpts1(DEGREE + 1)
+    return nodes, np.linalg.inv(chebyshev.chebvander(nodes, DEGREE))
 
 
 def _tail(places: np.ndarray) -> np.ndarray:

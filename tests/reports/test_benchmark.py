@@ -65,10 +65,10 @@ def test_a_reader_prints_paired_errors(unpacked, name, tmp_path):
     if make is not None:
         subprocess.run([*make, source], cwd=tmp_path, check=True)
         command = [tmp_path / "errors"]
-    told = subprocess.run([*command, unpacked / "transitions.csv", mine], capture_output=True, text=True, check=False)
-    assert told.returncode == 1, told.stderr  # two have no partner
-    lines = {tuple(line.split(",")[:4]): line.split(",")[4:] for line in told.stdout.splitlines()[1:]}
-    assert len(told.stdout.splitlines()) == 6 and all(key[0] == case for key in lines)
+    output = subprocess.run([*command, unpacked / "transitions.csv", mine], capture_output=True, text=True, check=False)
+    assert output.returncode == 1, output.stderr  # two have no partner
+    lines = {tuple(line.split(",")[:4]): line.split(",")[4:] for line in output.stdout.splitlines()[1:]}
+    assert len(output.stdout.splitlines()) == 6 and all(key[0] == case for key in lines)
     late = lines[case, "", "slip_forward", "roll"]
     assert float(late[2]) == pytest.approx(1e-3, rel=1e-3) and float(late[3]) < 1e-13
     assert lines[case, "", "roll", "slip_forward"][0] == "missed"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, cast
 
@@ -117,10 +117,6 @@ class Segment:
         output = type(states).of(times.tolist(), states.pieces[: len(times) - 1], rest.states)
         record = np.append(times, rest.times[1:])
         return Segment.of(self.phase, record, output, rest.event, self.evaluations + rest.evaluations)
-
-    def ended_by(self, guard: str) -> Segment:
-        """The same motion, with another reason for its end."""
-        return replace(self, event=self.event._replace(guard=guard))
 
 
 class Segments(list[Segment]):
