@@ -28,15 +28,17 @@ JOBS ?= 2
 test: $(VENV)/installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
+BUILDS := $(addprefix tests/,benchmarks browser commands docs fuzz reports walk yardstick)
+
 # Tests of commands, stored files, figures and whole reports: scored, killed, resumed, given engines that fail; the page in
 # a browser. Three processes on two cores: many of them wait for a disk, a time limit or another process.
 test-builds: $(VENV)/installed
-	$(BIN)/python -m pytest -n 3 --dist loadfile -m "builds and not slow and not timed"
+	$(BIN)/python -m pytest -n 3 --dist loadfile $(BUILDS)
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed
-	$(BIN)/python -m pytest -n 2 --dist loadfile --thorough -m "not timed"
-	$(BIN)/python -m pytest --thorough -m timed
+	$(BIN)/python -m pytest -n 2 --dist loadfile --thorough -m "not timed" tests
+	$(BIN)/python -m pytest --thorough -m timed tests
 
 # Every installed Python, lowest and newest versions, with and without heyoka: takes hours, writes a table in docs/install.md.
 # An interrupted run continues where it stopped; make matrix ONLY="3.13 lowest" runs the environments so named.
@@ -44,7 +46,7 @@ matrix:
 	$(PYTHON) tests/matrix.py $(if $(ONLY),--only $(ONLY))
 
 # Tests that take seconds and detect a broken tree: exact values. `make check` has the rooms and their imports.
-SMOKE := tests/reference/test_reference_exact.py
+SMOKE := tests/taylor/test_reference_exact.py
 
 smoke: $(VENV)/installed
 	$(BIN)/python -m pytest -q $(SMOKE)
@@ -58,7 +60,7 @@ check: $(VENV)/checkers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest -q -m style tests/docs tests/test_*.py
+	$(BIN)/python -m pytest -q tests/style
 
 # Runs the gallery and stores its outputs in it, for readers without Jupyter. Run it when a figure changes.
 gallery: $(VENV)/documented

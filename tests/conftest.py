@@ -1,8 +1,7 @@
 """What every test has: fixtures, options, and the table of cross-checks that pytest prints at its end.
 
-Which tests run is decided by their marks and by `-m`. A motion for which no method is named is DOP853's, as it compiles
-nothing, but for files marked `taylor`; with `--thorough` it is that of the default method, and hypothesis draws other
-examples at each run.
+A motion for which no method is named is DOP853's, as it compiles nothing, but in `tests/taylor` and in files that have
+its fixture; with `--thorough` it is that of the default method, and hypothesis draws other examples at each run.
 """
 
 from __future__ import annotations
@@ -10,19 +9,17 @@ from __future__ import annotations
 import gc
 import os
 import tempfile
-from collections import Counter
 from collections.abc import Callable
 from contextlib import contextmanager
-from functools import cache
 from math import inf, isnan
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-import cases
-from cases import Case, CaseError, lookup
+from cases import CaseError, lookup
 from reports.running import cache_folder
+from tests import own_cases
 
 # "same": what fails is the change, not the draw. No test is slow by hypothesis' clock: on a busy machine any would be.
 settings.register_profile("same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -41,44 +38,13 @@ def pytest_configure(config):
     os.environ.setdefault(cache_folder.VARIABLE, cache_folder.OFF)
     gc.set_threshold(50_000, 20, 20)  # looking for garbage after every 700 new objects takes 10 s of CPU
     settings.load_profile("other" if config.getoption("--thorough") else "same")
+    files = config.getoption("--case-file")
     try:
-        config.own_cases = [name for file in config.getoption("--case-file") for name in lookup.load_file(file)]
+        own_cases.CASES += own_cases.variants([name for file in files for name in lookup.load_file(file)])
     except CaseError as problem:
         raise pytest.UsageError(str(problem)) from None
-
-
-def pytest_generate_tests(metafunc):
-    """`any_case`: a test for each variant of each case of the catalogue (hard ones have `test_atlas`) or of files."""
-    if "any_case" not in metafunc.fixturenames:
-        return
-    try:
-        some = variants(tuple(metafunc.config.own_cases or cases.names(hard=False)))
-    except CaseError as problem:
-        raise pytest.UsageError(str(problem)) from None
-    metafunc.parametrize("any_case", some, ids=[case.label for case in some])
-
-
-@cache
-def variants(names: tuple[str, ...]) -> list[Case]:
-    """All variants of these cases."""
-    return [case for name in names for case in cases.select(name)]
-
-
-@pytest.hookimpl(tryfirst=True)  # before pytest leaves out the slow tests
-def pytest_collection_modifyitems(config, items):
-    """With --case-file only the tests of its cases run. Without it `sampled(every, first=0)` makes slow what is not
-    number `first`, `first + every`, … of a test's cases that are not slow anyway."""
-    if config.own_cases:
-        items[:] = [item for item in items if "any_case" in getattr(item, "fixturenames", ("any_case",))]
-        return
-    numbers: Counter[str] = Counter()
-    for item in items:
-        mark = item.get_closest_marker("sampled")
-        if mark and not item.get_closest_marker("slow"):
-            name = item.nodeid.partition("[")[0]
-            if numbers[name] % mark.args[0] != mark.kwargs.get("first", 0):
-                item.add_marker(pytest.mark.slow)
-            numbers[name] += 1
+    if files and config.args_source is not pytest.Config.ArgsSource.ARGS:
+        config.args = [str(Path(__file__).parent / "taylor" / "test_any_case.py")]
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -93,11 +59,10 @@ def _store(tmp_path_factory):
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _default_method(request):
+def default_method(request):
     """DOP853 where no method is named; see the module."""
-    config = request.config
     with pytest.MonkeyPatch.context() as patch:
-        if not (config.getoption("--thorough") or config.own_cases or request.node.get_closest_marker("taylor")):
+        if not request.config.getoption("--thorough"):
             patch.setattr("reference.solve.METHODS", ("dop853",))
         yield
 

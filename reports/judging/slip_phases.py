@@ -65,7 +65,7 @@ def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
     forces are not used).
 
     Error on exact samples with n of them in a slip phase of the paper's application (0.6 s): half a gap for n = 8,
-    1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/reports/test_slip_phases.py holds it to that);
+    1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/judging/test_slip_phases.py holds it to that);
     noise of size d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not
     seen, nor what would happen after the last of them.
     """

@@ -77,7 +77,7 @@ def read_motion(case: Case, trajectory: Trajectory) -> Reading:
     force, extrapolated, vanishes. A contact of no more than 2.5 gaps between two flights is an impact.
 
     Error on exact samples of the catalogue's bounces, and which of them so many samples resolve:
-    tests/reports/test_transitions.py.
+    tests/judging/test_transitions.py.
     """
     if len(trajectory.t) == 1 and trajectory.status == "lift_off":  # it leaves at once: no contact comes before
         return Reading(Mode.FLIGHT, (), ())

@@ -14,6 +14,7 @@ from adapters.common import feature_contacts, several_contacts
 from cases import Case, Trajectory
 from cases.motion.mechanics import gravity
 from cases.scene.free_plates import names_of, plates_of
+from tests.sampling import quick_every
 
 from .engines import play
 
@@ -90,7 +91,7 @@ def test_the_gate_copies_the_columns_of_each_contact(rocking):
 # --- supports ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @pytest.mark.parametrize(
     "label",
     ["rocking_block", "rod_in_bowl", "block_into_bowl", "ladder_at_wall", "round_ladder_at_wall", "disc_spinning_in_v"],

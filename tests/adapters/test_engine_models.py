@@ -24,6 +24,7 @@ from cases import (
 )
 from cases.library import line
 from reports.judging import slip_phases
+from tests.sampling import quick_every
 
 from .engines import off, play
 
@@ -34,7 +35,7 @@ DISC = disc(0.1, 2.0, inertia=0.012)
 # --- exudyn -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(3, first=1)
+@quick_every(3, first=1)
 @pytest.mark.parametrize("rung", [1, 3, 6])
 def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_slip_ends(rung):
     case = cases.load("driven_disc")
@@ -65,7 +66,7 @@ def test_slip_that_ends_in_stick_does_not_overshoot_to_the_other_side(rung):
     assert crossings(play("exudyn", "integrator", case, setting=setting)) == 0
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize(
     "label", ["driven_disc", "rolling_loop[ratio=3.5]", "disc_rolling_off_hill", "ellipse_on_hill"]
 )

@@ -15,6 +15,7 @@ from adapters.laws import judge
 from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
 from reports.judging import several_contacts
 from reports.judging.distances import differences
+from tests.sampling import quick_every
 
 from .engines import play
 from .mutants import Hashable
@@ -64,7 +65,7 @@ def read_at(case: Case, motion, contact: str):
     return several_contacts.ContactReader(case, one, contact, gap).reading().transitions
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("name,gap,rung,speeds,most", [
     ("pymunk", 0.01, 2, (0.0, 0.0, 1.0), 1e-6),
     ("pymunk", 0.0, 2, (-1 / 3, 2 / 3, 2 / 3), 1e-6),  # Moreau's law, as derived in test_impacts_of_bodies

@@ -25,6 +25,7 @@ from cases import (
 from cases.effects import IMPACT_LAWS
 from cases.library import ellipse, line
 from reports.running.tasks import find_truth, measure
+from tests.sampling import quick_every
 
 from .engines import play
 
@@ -127,7 +128,7 @@ FLIES, SLOW = (Gravity(9.81), Unilateral(), Flight()), disc(0.1, 2.0, inertia=0.
 FALL = (2 * 0.5 / 9.81) ** 0.5  # s, from 0.5 m
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.8])
 @pytest.mark.parametrize("name", ["exudyn", "pymunk", "box2d"])
 def test_dropped_disc_bounces_with_its_restitution(name, e):

@@ -9,6 +9,7 @@ import adapters
 from adapters.laws import LAWS, MissingQuantity, Route, effects, judge
 from adapters.laws.law_process import AdapterProcess
 from cases import NotSupported
+from tests.sampling import quick_every
 
 from .engines import routes
 from .mutants import of_case, of_motion
@@ -73,7 +74,7 @@ def test_adapter_obeys_law(name, route, law):
 # --- verdicts (`test_mutants` has the wrong adapters) -----------------------------------------------------------------
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("column", ["normal_force", "friction_force"])
 def test_what_an_engine_does_not_tell_is_neither_kept_nor_broken(column):
     silent = of_motion(**{column: lambda m: np.full_like(m.t, np.nan)})
@@ -104,7 +105,6 @@ def test_every_effect_that_an_adapter_claims_has_a_law(name):
         assert effects.OF_EFFECT[effect] and laws >= {*effects.OF_EFFECT[effect]}
 
 
-@pytest.mark.builds
 @pytest.mark.parametrize(
     ("fault", "outcome"),
     [

@@ -36,6 +36,7 @@ from cases.curves import sin as sine_of
 from cases.library import circle, hill, line
 from cases.moving_surface import TIME
 from cases.scene.contact_limits import touches_by_features
+from tests.sampling import quick_every
 from tests.scenes.elliptic import ellipse
 
 from .engines import off, play
@@ -320,7 +321,7 @@ ROWS = [
 ]
 
 
-@pytest.mark.sampled(5, first=1)
+@quick_every(5, first=1)
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row.solver}, {row.scene}" for row in ROWS])
 def test_a_motion_is_near_the_reference_and_nearer_at_finer_settings(row):
     case, (name, route) = row.case, row.solver.split()

@@ -10,6 +10,7 @@ import reference
 from adapters.laws import LAWS, MORE_SCENES, SCENES, Route, scene
 from cases import CoulombFriction, Gravity
 from cases.effects import Effect
+from tests.sampling import quick_every
 
 from .mutant_list import MUTANTS
 from .mutants import Mutant, effect, friction, of_case
@@ -54,7 +55,7 @@ def _families() -> list:
     return [pytest.param(law, marks=pytest.mark.slow) if law in _LONG else law for law in first.values()]
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("law", _families())
 def test_the_adapter_without_a_mistake_keeps_the_law(law):
     LAWS[law](Route(of_case(), "native"))

@@ -12,6 +12,7 @@ from adapters.by_process.engine_geometry import mjcf, sdf
 from adapters.by_process.scene_file import curve_samples, scene
 from adapters.common import facets
 from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc
+from tests.sampling import quick_every
 from tests.scenes.motions import in_other_parameters, warped
 
 EFFECTS = (Gravity(9.81), CoulombFriction(0.15), Unilateral())
@@ -53,7 +54,7 @@ def test_shapes_by_a_warped_parameter_differ_by_the_error_of_their_samples_alone
         assert np.abs(there[shape] - own).max() <= 2e-5 * max(1.0, float(np.abs(own).max())), shape
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("how", LINEAR)
 @pytest.mark.parametrize("name", ["endless", "disc_in_circle", "disc_in_cosine"])
 def test_exported_scenes_do_not_depend_on_the_unit_of_a_parameter(name, how):
@@ -91,7 +92,7 @@ def motion(engine: str, route: str, name: str, how: str):
 ROUTES = [("pymunk", "native"), ("pymunk", "assisted"), ("exudyn", "native"), ("exudyn", "integrator")]
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("how", ["parameter*1e-06", "parameter*1e+06"])
 @pytest.mark.parametrize("name", ["disc_in_circle", "disc_in_cosine", "ellipse_on_line", "endless"])
 @pytest.mark.parametrize(("engine", "route"), ROUTES)

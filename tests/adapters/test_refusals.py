@@ -38,6 +38,7 @@ from cases import (
     library,
 )
 from reports.running import tasks
+from tests.sampling import quick_every
 from tests.scenes.elliptic import ellipse
 
 from .engines import routes
@@ -191,7 +192,7 @@ def test_several_contacts_are_refused_in_one_sentence():
         assert words in refusal_of_several_contacts(pymunk, case, route)
 
 
-@pytest.mark.sampled(8)
+@quick_every(8)
 @pytest.mark.parametrize("label", cases.names())
 def test_every_refusal_of_the_catalogue_is_one_sentence(label):
     for name, route in routes():

@@ -16,6 +16,7 @@ from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.records import one_default
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.sampling import quick_every
 
 from .engines import play, routes
 
@@ -114,7 +115,7 @@ WITHIN = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(4, first=1)
+@quick_every(4, first=1)
 @pytest.mark.parametrize(("name", "route", "mu"), WITHIN)
 def test_first_transition_of_the_paper_is_where_the_route_can_have_it(name, route, mu, accuracy):
     rung, most = WITHIN[name, route, mu]

@@ -18,8 +18,6 @@ from reports.studies import Request
 from . import effect_costs, meanings, paper, reference_cost, settings, uniqueness
 from .reference_cost import growth
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parents[2]
 STAGE = (0, "engine", "native")
 

@@ -13,8 +13,6 @@ from reports.studies import Request
 from tests.benchmarks import settings
 from tests.benchmarks.settings import SettingCell, beats, points
 
-pytestmark = pytest.mark.builds
-
 
 def cell(place: str, cpu: float, off: float, case: str = "a") -> SettingCell:
     return SettingCell(case, "engine", "native", place, Setting.of(h=cpu), "answered", cpu, off)

@@ -1,7 +1,7 @@
 """A small report, and a real browser without a window to read it; skipped, with the reason, where there is none.
 
 The browser is Chromium as a Linux distribution packs it (`apt-get install chromium`), driven by Playwright
-(`pip install -e ".[browser]"`). `.ci/run` installs both.
+(`pip install -e ".[browser]"`). `.ci/nightly` installs both.
 """
 
 from __future__ import annotations

@@ -6,8 +6,6 @@ import pytest
 
 from .reading import DISC, LINE, SHOW_ALL, after_frames, chapters
 
-pytestmark = pytest.mark.builds
-
 
 def test_dark_is_dark_by_wish_and_by_button(open_page):
     ground, colour = "getComputedStyle(document.body).backgroundColor", "suite.colourOf('exudyn')"

@@ -10,8 +10,6 @@ import pytest
 from .conftest import CASES
 from .reading import WIDTHS, sum_of, table_of, time_of
 
-pytestmark = pytest.mark.builds
-
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_first_screen_has_question_engines_and_scenes(open_page, width):

@@ -10,8 +10,6 @@ import pytest
 from .conftest import CASES
 from .reading import DISC, after_frames, time_of
 
-pytestmark = pytest.mark.builds
-
 
 def test_the_disc_on_the_first_screen_moves_by_itself_and_stops_when_asked(open_page):
     page = open_page()

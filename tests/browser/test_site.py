@@ -13,8 +13,6 @@ import reference
 
 from .conftest import Heard
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parents[2]
 
 

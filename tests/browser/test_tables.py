@@ -11,8 +11,6 @@ import pytest
 from .conftest import CASES
 from .reading import DISC, LINE, table_of
 
-pytestmark = pytest.mark.builds
-
 
 def test_a_long_table_says_how_much_it_shows_and_gives_all_rows_sorted_and_filtered(open_page, page_file):
     page = open_page(place="#data")

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from cases import Chain, Curve, Plate, disc, library
 from cases.contact.nearest import contacts, nearest_pair
+from tests.sampling import quick_every
 
 BASIN = [(-6.0, 2.0), (-2.0, -0.3), (-1.0, -0.9), (0.0, -1.1), (0.8, -0.7), (2.0, -0.2), (6.0, 2.0)]
 TRACKS = {
@@ -43,7 +44,7 @@ def sampled_gap(track, outline, x, y, theta):
     return gaps.min(), np.hypot(*np.diff(points)).max() + np.hypot(*np.diff(places)).max()
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("plate", PLATES)
 @pytest.mark.parametrize("track", TRACKS)
 @settings(max_examples=6, deadline=None)

@@ -24,6 +24,7 @@ from cases import (
 )
 from cases.contact.overlap_search import deepest_overlap
 from cases.library import ellipse
+from tests.sampling import quick_every
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
 
@@ -83,7 +84,7 @@ def closest(track: Curve, outline: Curve, start: Start) -> float:
     return float(heights.min())
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_random_starts_over_ripples_are_rejected_if_and_only_if_they_overlap(seed):
     random = np.random.default_rng(seed)

@@ -20,8 +20,6 @@ from reports.analysis.table_list import TABLES
 from reports.judging.grades import LIMITS
 from reports.running.names import REFERENCE
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 _NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)

@@ -8,8 +8,6 @@ from reports import build, compare, study
 from . import harness
 from .harness import kinds, sweep, told_by
 
-pytestmark = pytest.mark.builds
-
 KINDS = kinds()
 # What `make test-all` tries at least.
 WHOLE = 3000

@@ -34,6 +34,7 @@ from cases import (
 from cases import curves as c
 from cases.library import circle, cosine, ellipse, hill, line
 from tests.composition.build import first_scene
+from tests.sampling import quick_every
 from tests.scenes.agreement import agree, unlike_second
 from tests.scenes.elliptic import ellipse_in_ellipse
 from tests.scenes.hard import hard_scene
@@ -160,7 +161,7 @@ SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_scene_is_contradicted_by_nothing(name):
     agree(SCENES[name])
@@ -244,7 +245,7 @@ FOUND = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("name", FOUND)
 def test_a_scene_that_was_wrong_is_contradicted_by_nothing(name):
     agree(FOUND[name], 1e-6)  # some graze: a time is known to the square root of the tolerance

@@ -223,7 +223,7 @@ def test_rolling_resistance_and_rest_are_rows_and_columns_of_their_own():
 
 
 def test_determinant_vanishes_where_the_rod_meets_the_paradox():
-    # A uniform rod on its end: 1 + 3 cos²φ − 3 μ sin φ cos φ = 0 (derived in tests/reference/test_atlas.py).
+    # A uniform rod on its end: 1 + 3 cos²φ − 3 μ sin φ cos φ = 0 (derived in tests/taylor/test_atlas.py).
     case = cases.load("rod_into_the_paradox", mu=2)
     motion = reference.simulate(case, method="augmented")
     assert motion.status == "paradox"

@@ -92,7 +92,6 @@ def test_a_rest_with_roundings_breaks_no_law(effects, method):
     assert reference.simulate(case, method=method).status == "completed"
 
 
-@pytest.mark.taylor
 @pytest.mark.parametrize("together", [True, False])
 def test_a_sweep_checks_what_goes_alone_and_some_of_the_rest(together, monkeypatch):
     """Of scenarios that go together the first of a thousand, and those that end early."""

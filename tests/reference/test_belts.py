@@ -10,11 +10,12 @@ import cases
 import reference
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Plate, Start, Unilateral, disc
 from cases.library import circle, ellipse, line
+from tests.sampling import quick_every
 from tests.scenes.agreement import agree
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("speed", [0.7, -1.3])
 def test_disc_set_down_on_a_conveyor_rolls_after_its_speed_over_3_mu_g(method, speed):
@@ -42,7 +43,7 @@ def test_disc_on_a_belt_that_accelerates_more_and_more_rolls_until_three_mu_g(me
     assert at.vx == pytest.approx(jerk / 6, abs=EXACT)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @METHODS
 def test_belt_of_constant_speed_changes_nothing_for_a_rolling_pendulum(method):
     """In v = b the belt's acceleration does not occur: (3/2) (R − r) φ̈ = −g sin φ, with the period of its swing."""
@@ -59,7 +60,7 @@ def test_belt_of_constant_speed_changes_nothing_for_a_rolling_pendulum(method):
     assert motion(quarter).xi1 == pytest.approx(-pi / 2, abs=10 * EXACT)
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("speed", [0.8, -2.0])
 def test_uniform_belt_on_a_line_is_the_scene_without_it_in_a_moving_frame(speed):
     """Galilei: subtract the belt's speed from all velocities."""

@@ -29,6 +29,7 @@ from cases.contact import belt_speed
 from cases.library import line
 from cases.motion.mechanics import energy
 from reference.certification.witnesses import _by_second
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 from tests.scenes.motions import contact_case, work_done
 from tests.scenes.supports import simulated, slow
@@ -56,7 +57,7 @@ def disc_at_wall(speed, mirrored: bool = False, duration: float = 2.0) -> Case:
     return Case(line(), disc(R, 1.0), effects, StartPose(side * R, R), duration, supports=(wall,))
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @METHODS
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
@@ -80,7 +81,7 @@ def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
         assert (end.x, end.y, R * end.omega) == pytest.approx((side * R, R, -side * speed), abs=1e-12)
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @METHODS
 @pytest.mark.parametrize("towards", [True, False])
 def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towards):
@@ -95,7 +96,7 @@ def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towa
     assert change.time == pytest.approx((most * (1.0 - sign * MU_WALL) - MU_WALL * PRESS) / c, abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_v_of_two_belts_spins_a_disc_up_until_it_rolls_on_both(method):
     """Both slip: the sum S of the normal forces has S (1 + μ²) cos α = m g, and m r ω̇/2 = μ S (`disc_spinning_in_v`).
@@ -135,7 +136,7 @@ def block_on_belt(
     return Case(line(-turn), plate, effects, StartPose(-s * high, c * high, turn), end * time, supports=supports)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 @pytest.mark.parametrize("form", [{}, *slow({"mirrored": True}, {"turn": 0.7}, {"length": 100.0, "time": 10.0})])
 def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
@@ -154,7 +155,7 @@ def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
     assert [t.after for t in motion.transitions[::2]][:2] == [Mode.ROLL, motion.transitions[0].before]
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
     case = block_on_belt("2*t*t", mu=0.3)
@@ -169,7 +170,7 @@ def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
         assert np.isnan(now[0].friction_force[0]) and len(at[0].slip) == len(motion.t)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
     """A block of width w and height h tips about its rear corner at v̇ = g w/h."""
@@ -182,7 +183,7 @@ def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
 # --- a box on a belt that runs for a moment ---------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 @pytest.mark.parametrize("width", [1e-2, 1e-3])
 def test_no_step_passes_over_a_moment_in_which_a_belt_runs(method, width):
@@ -202,7 +203,7 @@ def test_no_step_passes_over_a_moment_in_which_a_belt_runs(method, width):
 # --- impacts ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @METHODS
 @pytest.mark.parametrize("mu", [0.2, None])
 def test_an_impact_slips_against_the_belt_of_a_support(method, mu):

@@ -9,11 +9,12 @@ import reference
 from cases import Case, Impact, Load, Mode, StartPose, Support, disc
 from cases.library import line
 from reference.certification.witnesses import _by_second
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 from tests.scenes.supports import FREE, G
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_bouncing_ends_on_each_support_at_the_limit_of_its_own_series(method):
     """A disc falls on a floor (e = 0.2), and a load pulls it to a wall (e = 0.8): without friction neither bouncing
@@ -55,7 +56,7 @@ def test_a_contact_that_closes_where_a_series_ends_lands_at_that_instant(method)
     assert floor.time == side.time == pytest.approx(end, abs=1e-12)
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize(("lowest", "after"), [(-1e-10, 1e-5), (1e-10, 1e-5), (-1e-10, 4e-3)])
 def test_a_gap_that_closes_for_microseconds_is_an_impact(lowest, after, method):
@@ -82,7 +83,7 @@ def test_a_gap_that_closes_for_microseconds_is_an_impact(lowest, after, method):
     assert transitions[0].time == pytest.approx(exact, abs=1e-10)
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize("e", [0.3, 0.8])
 def test_bouncing_on_one_support_ends_at_the_limit_of_its_series(e, method):

@@ -23,8 +23,9 @@ from cases import (
     library,
 )
 from cases.contact import pose
-from tests.reference.test_corners import over_an_edge
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
+from tests.taylor.test_corners import over_an_edge
 
 G, R, DEPTH = 9.81, 0.1, 1.0
 # Both integrators' step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
@@ -37,7 +38,7 @@ def on(track, plate, *effects, duration=1.5, **start):
     return Case(track, plate, (Gravity(G), *effects, Unilateral(), Flight()), Start(**start), duration)
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
@@ -59,7 +60,7 @@ def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
     assert motion(1.5).vx == pytest.approx(v, rel=EXACT) and motion(1.5).omega == pytest.approx(-v / R, rel=EXACT)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize(("v", "mu"), [(0.2, 0.5), (0.4, 0.2)])
 def test_slow_disc_turns_about_the_edge_and_lands_after_its_throw(v, mu):
     """It leaves the edge at the angle φ with speed √(g r cos φ), and falls by h + r cos φ − r on a parabola."""

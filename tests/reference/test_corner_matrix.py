@@ -29,6 +29,7 @@ from reference.paper.corners import solve_at_corner
 from reference.solve import INTEGRATORS, solve_motion
 from reference.witness.contacts import PlateDynamics
 from reference.witness.phase import SeveralContactPhase, WatchedContact
+from tests.sampling import quick_every
 
 # All three are a few dozen operations on numbers of one size.
 ROUNDING = 1e-11
@@ -40,7 +41,7 @@ def on(track, plate, *effects, **start):
     return Case(track, plate, (Gravity(9.81), *effects, Unilateral()), Start(**start), 1.0)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize(
     "case",
     [

@@ -6,6 +6,7 @@ import pytest
 from cases import Curve
 from cases.library import circle, line
 from reference.witness.curve_bounds import CurveBounds
+from tests.sampling import quick_every
 
 # Functions, since making them takes half a second in each process that collects tests.
 CURVES = {
@@ -19,7 +20,7 @@ CURVES = {
 }
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("name", CURVES)
 def test_no_curvature_or_speed_is_beyond_its_bounds(name):
     """Ranges of every length: a bound from five samples of a range with many ripples was 60 times too small."""

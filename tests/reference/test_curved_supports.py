@@ -32,6 +32,7 @@ from cases.motion.mechanics import energy
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 from tests.scenes.agreement import agree, unlike_second
 from tests.scenes.supports import INELASTIC, G, bowl, events, hill, simulated
@@ -47,7 +48,7 @@ def between_hills(tilt: float, *effects, start: StartPose | None = None, duratio
     return Case(hill(1.0, -far, 0.0), disc(0.5, 1.0), (*INELASTIC, *effects), begin, duration, supports=support)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_a_disc_that_spins_between_two_hills_stops_in_time(method):
     # Friction μ N at both contacts: S (1 + μ²) cos α = m g for the sum S of the normal forces, J ω̇ = −μ r S.
@@ -84,7 +85,7 @@ def falls(angle: float, until: float, length: float, share: float) -> float:
         return float(mp.quad(slow, mp.linspace(0, mp.sqrt(start - end), 6)))
 
 
-@pytest.mark.sampled(8)
+@quick_every(8)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize(("rolls", "share"), [(False, 1.0), (True, 2.0 / 3.0)])
 def test_a_disc_in_a_bowl_meets_a_hill_at_the_time_of_a_quadrature(method, rolls, share):
@@ -128,7 +129,7 @@ def rod_in_bowl(angle: float, *effects, duration: float = 3.0) -> Case:
     return Case(circle(RADIUS), ROD, (*INELASTIC, *effects), pose, duration)
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize("angle", [0.5, 1.2])
 def test_a_rod_without_friction_in_a_bowl_is_a_physical_pendulum(angle, method):
@@ -236,7 +237,7 @@ def period_on_hill(angle: float) -> float:
         return 4.0 * float(mp.quad(slow, mp.linspace(0, mp.sqrt(start), 4)))
 
 
-@pytest.mark.sampled(3, first=1)
+@quick_every(3, first=1)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
     period = period_on_hill(0.4)

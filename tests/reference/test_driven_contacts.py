@@ -25,6 +25,7 @@ from cases import (
 )
 from cases.library import line
 from reports.judging.residuals import energy_residual
+from tests.sampling import quick_every
 from tests.scenes.agreement import agree
 
 from .test_belts_and_supports import METHODS, motion_by
@@ -42,7 +43,7 @@ def box(width: float, height: float, mu: float, *more, duration: float = 1.0) ->
     return Case(line(), Plate.rectangle(width, height, 1.0), effects, Start(0.0, xi2=0.5 * width), duration)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_box_slips_where_the_table_s_acceleration_exceeds_friction(method):
     amplitude, rate, mu = 0.05, 9.0, 0.2
@@ -58,7 +59,7 @@ def test_a_box_slips_where_the_table_s_acceleration_exceeds_friction(method):
     assert times[2:] == pytest.approx([end, end], abs=END_OF_REST)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderness(method):
     amplitude, rate, width, height = 4.0 / 144.0, 12.0, 0.1, 0.4
@@ -87,7 +88,7 @@ def shaken(seed: int) -> Case:
     return Case(track, plate, (*EFFECTS, friction, drive), start, 0.6)
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize(
     ("friction", "omega"), [(CoulombFriction(0.4), -8.0), (PerfectlyRough(), -4.0)], ids=["slips", "rolls"]
 )
@@ -108,7 +109,7 @@ def in_v(*more, mu: float = 0.3, duration: float = 0.6) -> Case:
     return Case(line(pi / 6), disc(0.5, 1.0), effects, start, duration, supports=(right,))
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @METHODS
 def test_a_disc_leaves_one_side_of_a_v_that_is_driven_too_hard(method):
     """Without friction the disc stays in a V of angle α as long as the acceleration is below g tan α."""

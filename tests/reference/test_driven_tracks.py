@@ -29,10 +29,11 @@ from cases.library import circle, line
 from cases.moving_frame import in_track_frame, relative_case
 from reference.paper.kinematics import kinematics, slip_vector, slip_vector_of_plate
 from tests.authorities.published_numbers.oscillating import BALL, BALL_STEP, ball
+from tests.sampling import quick_every
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
     """m v̇ = T, J ω̇ = T r and v̇ + r ω̇ = a with J = m r²/2: v̇ = a/3, T = m a/3 ≤ μ m g."""
@@ -46,14 +47,14 @@ def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
     assert motion(2.5).friction_force == pytest.approx(0.2 * M * G, abs=EXACT)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @METHODS
 def test_shaken_table_lets_go_where_a_third_of_its_acceleration_exceeds_friction(method):
     motion = reference.simulate(cases.load("disc_on_shaken_table"), rtol=1e-13, method=method)
     assert motion.transitions[0].time == pytest.approx(asin(3 * 0.2 * G / (0.05 * 144)) / 12, abs=EXACT)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @METHODS
 def test_plate_lifts_off_a_table_that_falls_faster_than_it(method):
     """N = m (g + ÿ) vanishes where amplitude rate² sin(rate t) = g."""

@@ -28,6 +28,7 @@ from cases import (
 from cases.library import circle, ellipse, line
 from reference.minimal.bouncing import LISTING_PART
 from reference.solver import march
+from tests.sampling import quick_every
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -51,7 +52,7 @@ def pairs(motion, until: float = np.inf):
 # --- the beginning of a motion ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 @pytest.mark.parametrize("duration", [200.0, pytest.param(1000.0, marks=pytest.mark.slow)])
 def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, duration):
@@ -63,7 +64,7 @@ def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, d
         assert len(motion.transitions) == 1685
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.skipif("taylor" not in reference.METHODS, reason="heyoka is not installed")
 @pytest.mark.parametrize("rtol", [1e-7, 1e-10, 1e-13])
 def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_on(rtol):
@@ -76,7 +77,7 @@ def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_o
 FEW = ("disc_off_ramp", "tumbling_ellipse", "bouncing_disc[e=0.8]")
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("label", FEW)
 @pytest.mark.parametrize("factor", [3.0, 30.0])
@@ -101,7 +102,7 @@ def rest(e: float, height: float) -> float:
     return sqrt(2 * height / G) * (1 + e) / (1 - e)
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("duration", [10.0, 300.0, 3600.0])
 def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
@@ -132,7 +133,7 @@ def test_impacts_are_listed_by_their_closing_speed(e):
 # --- starts and landings that hit -------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
 @pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
@@ -191,7 +192,7 @@ def test_a_leap_of_nothing_on_a_rough_track_ends_in_rolling(lift, method):
 # --- a touch that is no departure -------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @METHODS
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10, 1e-14])
 def test_frictionless_disc_that_comes_back_to_its_height_stays_on_its_track(method, rtol):
@@ -264,7 +265,7 @@ def test_what_is_too_large_or_too_small_ends_in_a_sentence(make, method):
     assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("force", ["1/(0.5-t)", "log(0.5-t)", "sqrt(0.5-t)"])
 @pytest.mark.parametrize("scene", ["slides", "flies", "rests"])

@@ -12,10 +12,10 @@ from cases.library import line
 from cases.moving_frame import relative_case
 from tests.scenes.slip_laws import STRIBECK
 from tests.scenes.supports import INELASTIC, compare_with_matrix
+from tests.taylor import test_fixed_rotation_and_contacts as still
 
 from . import test_belts_and_supports as belts
 from . import test_driven_contacts as driven
-from . import test_fixed_rotation_and_contacts as still
 from . import test_rolling_resistance_and_contacts as rolling
 from . import test_slip_laws_and_contacts as slip_laws
 

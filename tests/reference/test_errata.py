@@ -14,6 +14,7 @@ from cases.library import circle
 from reference.errata import errata
 from reference.paper.application import rolls_beyond, slip_end
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.sampling import quick_every
 
 ROWS = {row.where: row for row in errata()}
 MISPRINTS = [row for row in ROWS.values() if isnan(row.claim)]
@@ -67,7 +68,7 @@ def test_where_the_slip_ends_and_what_follows_do_not_depend_on_sizes(R, part, m,
         assert (first.after is Mode.ROLL) == (end.demand <= 1.0)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("mu, bound", [(0.1, 0.629156), (0.01, 1.499867)])
 def test_released_further_down_the_smaller_coefficients_roll_as_well(mu, bound):
     assert rolls_beyond(mu) == pytest.approx(bound, abs=1e-6)

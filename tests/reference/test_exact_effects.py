@@ -26,6 +26,7 @@ from cases import (
 )
 from cases.library import ellipse, line
 from reference.minimal.impact import ContactVelocity, Law, collide, energy
+from tests.sampling import quick_every
 
 G, R, M = 9.81, 0.5, 2.0
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -159,7 +160,7 @@ def test_tumbling_ellipse_lands_where_its_support_function_meets_the_line(method
 # --- impact -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.9])
 def test_bouncing_disc_has_a_geometric_series_of_flights_and_its_limit(method, e):

@@ -29,6 +29,7 @@ from cases import (
 from cases.library import circle, cosine, line
 from reference.certification.certificate import NotCertified
 from reference.paper.augmented import fill
+from tests.sampling import quick_every
 from tests.scenes.moving import EXACT, METHODS, G
 
 
@@ -36,7 +37,7 @@ def block(track, *effects, duration=2.0, plate=None, **start):
     return Case(track, plate or disc(0.1, 1.0, inf), (Gravity(G), *effects), Start(0.0, **start), duration)
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @METHODS
 @pytest.mark.parametrize("slope", [-0.3, -0.1, 0.0, 0.2])
 @pytest.mark.parametrize("mu", [0.25, 0.6])
@@ -64,7 +65,7 @@ def test_speed_around_a_capstan_falls_exponentially_with_the_angle(method):
     assert end.normal_force == pytest.approx(end.slip**2 / 0.9, abs=EXACT)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @METHODS
 def test_slider_on_a_spring_loses_the_same_amplitude_in_every_half_swing(method):
     """A half swing about ±μ m g/k lasts π √(m/k); it rests where the spring cannot overcome friction."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reference.solver import forces
+from tests.sampling import quick_every
 
 UNITS = np.array([1.0, 1.0, 2.0])
 
@@ -23,7 +24,7 @@ def by_programs(contacts, load, sticks):
     return forces._limits_by_programs(columns * UNITS[:, None], -load * UNITS / size, parts, size)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_vertices_give_the_ranges_of_linear_programs(seed):
     """Contacts around a plate: forces have bounds, none, or cannot balance the load."""

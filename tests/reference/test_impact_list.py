@@ -10,6 +10,7 @@ import cases
 import reference
 from cases import Case, Flight, Gravity, Impact, Mode, Start, Unilateral, disc
 from cases.library import line
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 
 G = 9.81
@@ -32,7 +33,7 @@ def hoop() -> Case:
     return cases.load("hopping_hoop", share=0.7, mu=0.4, push=2.0, angle=0.5, duration=1.4)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @FORMULATIONS
 def test_an_impact_without_a_rebound_is_listed_where_the_plate_leaves_at_once(solve):
     motion = solve(hoop())

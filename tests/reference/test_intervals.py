@@ -10,6 +10,7 @@ from cases import Chain, Curve
 from cases.curves import curve_pieces as pieces
 from cases.curves.curve_pieces import piece_bounds
 from cases.formulas.intervals import Interval, bounds
+from tests.sampling import quick_every
 
 INSIDE = np.linspace(0.0, 1.0, 41)[:, None]
 
@@ -25,7 +26,7 @@ FUNCTIONS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(ends=st.lists(st.floats(0.0, 1.0), min_size=2, max_size=12))
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -67,7 +68,7 @@ def curves() -> dict[str, Curve]:
 CURVES = curves()
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @pytest.mark.parametrize("name", CURVES)
 @pytest.mark.parametrize("count", [7, 300])
 def test_a_curve_stays_within_the_bounds_of_its_pieces(name, count):

@@ -21,6 +21,7 @@ import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Mode, PerfectlyRough, Plate, Start, Unilateral
 from cases import curves as c
 from cases.library import line
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 
 G, R = 9.81, 0.5
@@ -124,7 +125,7 @@ def test_coulomb_friction_of_any_strength_slips_where_a_rough_hoop_is_lost():
     assert early[0] == pytest.approx(early[2], rel=1e-1)
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @pytest.mark.parametrize("mu", [0.1, 0.2, 0.5, 1.0, 3.0])
 def test_with_finite_friction_a_hoop_let_go_at_the_top_slips_and_does_not_hop(mu):
     # Butler's objection: the friction that rolling takes outgrows its cone before the normal force vanishes.

@@ -10,6 +10,7 @@ from cases.library import line
 from cases.motion.trajectory import Transition
 from reference.certification import certify
 from reference.certification.witnesses import _by_second
+from tests.sampling import quick_every
 from tests.scenes.supports import FREE, G
 
 SLOPE, LEAN, FLOOR, WALL, RADIUS, WAY, SPEED = 0.2, 0.35, 0.3, 0.5, 0.1, 0.3, 1.0
@@ -49,7 +50,7 @@ def check_wall(transitions: tuple[Transition, ...]) -> None:
     assert transitions[-1] is wall[-1]
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_impacts_on_a_wall_after_rests_on_the_floor_end_in_the_exact_time(method):
     motion = reference.simulate(disc_between_floor_and_wall(), rtol=1e-13, method=method)

@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, disc
 from cases.library import line
+from tests.sampling import quick_every
 from tests.scenes.point_set_figure import figure
 from tests.scenes.point_sets import point_sets
 
@@ -37,7 +38,7 @@ def test_there_are_48_sets():
     assert len(SETS) == 48 and len({data.name for data in SETS}) == 48
 
 
-@pytest.mark.sampled(10)
+@quick_every(10)
 @pytest.mark.parametrize(
     "data",
     [data if i % 3 == 0 else pytest.param(data, marks=pytest.mark.slow) for i, data in enumerate(SETS)],
@@ -56,7 +57,7 @@ def test_every_set_becomes_a_curve_with_its_deviation_and_a_picture(data):
     assert len(curve.plot(data.points)._repr_png_()) > 5000
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize(
     "data",
     [data if i % 6 == 0 else pytest.param(data, marks=pytest.mark.slow) for i, data in enumerate(SETS)],

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cases
-from tests.test_architecture import imported
+from tests.style.test_architecture import imported
 
 pytest.importorskip("flint")
 
@@ -21,13 +21,14 @@ from reference.proof_checker.__main__ import main  # noqa: E402
 from reference.proof_checker.balls import FixedPoint  # noqa: E402
 from reference.proofs import equations, motion, prove  # noqa: E402
 from reference.proofs.catalogue import CATALOGUE  # noqa: E402
+from tests.sampling import quick_every
 
 
 def record_of(label: str, digits: int = 10, transitions: int | None = None) -> dict:
     return json.loads(prove(cases.load(label), digits, transitions).as_json())
 
 
-@pytest.mark.sampled(10, first=5)
+@quick_every(10, first=5)
 @pytest.mark.parametrize(
     "label",
     [
@@ -69,7 +70,7 @@ NOT_CONFIRMED = {
 OTHERS = [name for name in RECORDS if name not in {*STORED, *NOT_CONFIRMED}]
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("label", [*STORED, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)])
 def test_stored_record_is_confirmed(label):
     record = RECORDS[label]

@@ -19,6 +19,7 @@ from flint import arb  # noqa: E402
 import reference  # noqa: E402
 from reference.proofs import equations, prove, steps  # noqa: E402
 from reference.proofs.command import main  # noqa: E402
+from tests.sampling import quick_every  # noqa: E402
 
 # Section 4.2 of the paper with 50 digits. The first 20 digits of each were computed with mpmath by a quadrature of the
 # linear equation for the square of the speed (`tests/authorities/paper_application.py`).
@@ -53,7 +54,7 @@ QUICK = [
 ]
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
 def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
     proof, truth = prove(cases.load(label)), read()[label]
@@ -65,7 +66,7 @@ def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
         assert proved.xi1.inside(*place)
 
 
-@pytest.mark.sampled(3, first=2)
+@quick_every(3, first=2)
 @pytest.mark.parametrize("mu", PAPER)
 def test_papers_transition_to_fifty_digits(mu):
     (first,) = prove(cases.load("disc_in_circle", mu=mu), digits=50, transitions=1).transitions

@@ -6,6 +6,7 @@ import pytest
 import reference
 from cases import Case, Gravity, Load, Start, Unilateral, disc
 from cases.library import line
+from tests.sampling import quick_every
 from tests.scenes.limits import cpu_limit
 from tests.scenes.loads import G, scene
 
@@ -39,7 +40,7 @@ def test_moment_far_in_the_tail_of_tanh_is_constant():
     check(463)
 
 
-@pytest.mark.sampled(10, first=5)
+@quick_every(10, first=5)
 @pytest.mark.parametrize("seed", [333, 422, 831, 1139, 1323, 1374])
 def test_plates_that_a_load_spins_up_to_1e8_rad_per_s_and_more(seed):
     """The speed of the centre is a difference of speeds up to 1e14 m/s, and the angle has its own rounding: neither is
@@ -57,14 +58,14 @@ def test_plate_spun_by_1e12_rad_keeps_its_place(method):
     assert (end.x, end.y) == pytest.approx((2.0, 0.1), abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("seed", [1610, 2032])
 def test_narrow_loads_keep_their_digits_in_the_equations(seed):
     """((x - c)/w)² + 1 multiplied out loses the digits of (c/w)²: 1e8 and more in these."""
     check(seed)
 
 
-@pytest.mark.sampled(4)
+@quick_every(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_motions_under_random_loads(seed):
     check(seed)

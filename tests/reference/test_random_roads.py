@@ -6,6 +6,7 @@ import pytest
 import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc
+from tests.sampling import quick_every
 from tests.scenes.limits import cpu_limit
 
 G = 9.81
@@ -99,7 +100,7 @@ SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7
 
 # 162: a lift-off that the Taylor method located at 1e-2, with 3e-4 of the forces left, was called a paradox.
 # 2514: the force is negative for less than a step of the integration by hand, which passed over it.
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("seed", [1, 2, 162, 2514, *SLOW])
 def test_random_roads_a_few(seed):
     check_road(seed)

@@ -23,6 +23,7 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.library import line
+from tests.sampling import quick_every
 
 from .test_belts_and_supports import METHODS, motion_by
 
@@ -86,7 +87,7 @@ def forces_in_v(sense: float) -> tuple[np.ndarray, float]:
     )
 
 
-@pytest.mark.sampled(6)
+@quick_every(6)
 @METHODS
 @pytest.mark.parametrize("omega", [25.0, -25.0])
 def test_a_disc_that_spins_in_a_v_is_stopped_by_friction_and_couples_of_both_contacts(method, omega):
@@ -100,7 +101,7 @@ def test_a_disc_that_spins_in_a_v_is_stopped_by_friction_and_couples_of_both_con
     assert [t.time for t in motion.transitions] == pytest.approx([abs(omega) * J / moment] * 2, abs=EXACT)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_disc_held_in_a_v_begins_to_turn_where_friction_and_couples_of_both_contacts_are_used_up(method):
     _, moment = forces_in_v(1.0)
@@ -109,7 +110,7 @@ def test_a_disc_held_in_a_v_begins_to_turn_where_friction_and_couples_of_both_co
     assert all(t.time == begins_at(moment / 0.9, method) for t in motion.transitions)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_disc_that_rolls_down_into_a_wall_is_lifted_by_it(method):
     """Rolling: (3/2) v̇ = g sin α − (c/R) g cos α. The wall takes the speed v with the impulse v per mass; its friction
@@ -134,7 +135,7 @@ def test_a_disc_that_rolls_down_into_a_wall_is_lifted_by_it(method):
         assert motion(middle).omega == pytest.approx(spin, abs=1e-11)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_disc_between_belt_and_wall_begins_to_turn_where_the_wall_is_no_longer_pressed_enough(method):
     """It stands on the running belt while μ R N_b ≤ (μ_w R + c) N_w, with N_w = F + μ N_b and N_b = g + μ_w N_w."""

@@ -11,6 +11,7 @@ import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, NotSupported, Plate, Start, Unilateral, disc
 from cases.library import circle, ellipse, hill, line
 from reference.witness import steps
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 
 GRIP = (Gravity(9.81), Unilateral())
@@ -89,7 +90,7 @@ def end_of(case: Case) -> tuple[str, float]:
     return answer.status, answer.end
 
 
-@pytest.mark.sampled(3, first=1)
+@quick_every(3, first=1)
 @pytest.mark.parametrize("name", BEYOND)
 def test_what_no_double_holds_ends_in_one_sentence_at_its_time(name):
     sentence, end = end_of(BEYOND[name][0])

@@ -10,6 +10,7 @@ from reference.minimal import series
 from reference.minimal.modes import candidates, phase
 from reference.minimal.series import Series
 from reference.minimal.system import EXPANSIONS, QUICK
+from tests.sampling import quick_every
 from tests.scenes.elliptic import numbers
 
 FUNCTIONS = {
@@ -35,7 +36,7 @@ def test_coefficients_agree_with_high_precision_derivatives_within_their_own_bou
             assert result.e[k] <= 1e-12 * (1 + abs(result.c[k])) * 10**k
 
 
-@pytest.mark.sampled(4, first=2)
+@quick_every(4, first=2)
 @pytest.mark.parametrize("name", ["disc_in_circle", "disc_on_line", "ellipse_in_circle", "disc_in_cosine"])
 @given(values=st.lists(numbers(-1.5, 1.5), min_size=4, max_size=4), time=numbers(0.0, 3.0))
 @settings(max_examples=25, deadline=None)

@@ -26,6 +26,7 @@ from cases import curves as c
 from cases.library import line
 from cases.motion.mechanics import energy
 from reference.certification.witnesses import _by_second
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 
 G = 9.81
@@ -55,7 +56,7 @@ def held(track: Curve, radius: float, low: float = 0.2) -> tuple[float, float]:
     return -s, float(track.tangent_angle(s))
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_disc_that_spins_in_a_valley_stops_when_both_contacts_have_used_its_momentum(method):
     # Friction μN at both contacts; the sum S of the normal forces balances the weight: S (1 + μ²) cos α = m g. Then
@@ -81,7 +82,7 @@ def test_a_disc_that_spins_in_a_valley_stops_when_both_contacts_have_used_its_mo
     assert np.isnan(left.normal_force[-1]) and left.normal_range[0, -1] < left.normal_range[1, -1]
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("mu", [0.2, 0.5])
 def test_a_disc_held_in_a_valley_begins_to_turn_under_a_growing_moment(mu):
     # Both contacts reach their cone at the moment μ r S.
@@ -134,7 +135,7 @@ def test_without_friction_the_speed_along_the_next_flank_is_kept():
     assert speeds[jumps + 1] / speeds[jumps] == pytest.approx([cos(2 * alpha)] * 6, rel=1e-10)
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize(("name", "digits"), [("ladder_at_wall", 4), ("round_ladder_at_wall", 3.75)])
 def test_a_closed_contact_is_not_struck_where_another_one_opens(name, digits):
     """At a coarse tolerance a closed contact has a velocity along its normal, which was taken as an impact's."""

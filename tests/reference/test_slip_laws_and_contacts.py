@@ -9,6 +9,7 @@ import sympy as sp
 
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, Plate, StartPose, Support, Unilateral, disc
 from cases.library import line
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 from tests.scenes.slip_laws import HYPERBOLIC, PEAK, STRIBECK, G
 from tests.scenes.supports import slow
@@ -43,7 +44,7 @@ def quadrature(mu: str, speed: float, edges=()) -> float:
 # --- a block ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_a_block_on_a_ramp_under_viscous_friction_slows_down_exponentially(method):
     """Down a slope v̇ = g (sin α − (μ + c v) cos α): v = v_e + (v₀ − v_e) exp(−c g t cos α). Both corners have the
@@ -70,7 +71,7 @@ def test_a_block_on_a_ramp_under_viscous_friction_slows_down_exponentially(metho
     assert WIDE * np.abs(lower - upper) == pytest.approx(HIGH * (mu + c * exact) * G * cos(slope), rel=1e-10)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 @pytest.mark.parametrize("mu", [WIDE_LAW, *slow(STRIBECK, HYPERBOLIC, PEAK)])
 def test_a_belt_takes_a_block_along_when_the_quadrature_says(method, mu):
@@ -93,7 +94,7 @@ def disc_at_wall(b: float, end: float = 2.0) -> Case:
     return Case(line(), disc(R, 1.0), effects, StartPose(R, R), end, supports=(wall,))
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @METHODS
 def test_each_contact_has_the_coefficient_of_its_own_slip(method):
     """With u = r ω the slips are b − u on the belt and u at the wall: F₁ = μ₁ N₁, N₂ = P + F₁, F₂ = μ₂ N₂,

@@ -18,6 +18,7 @@ import reference
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
 from cases.library import line
 from tests.authorities.published_numbers.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
+from tests.sampling import quick_every
 from tests.scenes import second as second_states
 
 RADIUS = 0.1
@@ -75,7 +76,7 @@ def test_rows_of_the_friction_oscillator_of_siconos():
         assert distance < 0.025
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.parametrize("pulled", [0.2, 1.0])
 def test_stick_and_slip_alternate_with_the_exact_periods(pulled):
     """With d = (μ_s − μ) N/k and w = √(k/m): sticks for 2 d/V, slips for (2/w)(π − atan(d w/V)), derived here from
@@ -176,7 +177,7 @@ def at_its_bound(kind: str, slope: float, slip: float) -> Case:
     return Case(line(-slope), plate, tuple(effects), Start(0.0, slip=slip), 1.5)
 
 
-@pytest.mark.sampled(5)
+@quick_every(5)
 @pytest.mark.parametrize("slip", [0.0, 1.0])
 @pytest.mark.parametrize("kind", ["block", "disc", "rolling resistance"])
 def test_a_force_at_its_bound_holds(kind, slip):

@@ -12,6 +12,7 @@ import reference
 from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, StartPose, Support, disc
 from cases.library import line
 from cases.motion.mechanics import energy
+from tests.sampling import quick_every
 from tests.scenes.supports import FREE, INELASTIC, G, events
 
 # --- the ladder -------------------------------------------------------------------------------------------------------
@@ -42,7 +43,7 @@ def ladder_times(angle: float, half: float = 1.0) -> tuple[float, float]:
         return float(leave), float(leave + mp.quad(rest, mp.linspace(0, end, 4)))
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("name", ["ladder_at_wall", "round_ladder_at_wall"])
 def test_a_ladder_without_friction_leaves_the_wall_at_two_thirds_of_its_height(name, method):

@@ -13,6 +13,7 @@ from cases import Impact
 from reference import certify
 from reference.certification import read
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.sampling import quick_every
 
 KEPT = read()
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
@@ -32,7 +33,7 @@ def test_cases_without_a_certificate_have_their_reason_in_the_documentation():
     assert {*named} == {case.label for name in cases.names() for case in cases.select(name)} - {*KEPT}
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "disc_on_line[mu=0.1]"])
 def test_rebuilt_truth_agrees_with_the_kept_one_within_its_bars(label):
     kept, rebuilt = KEPT[label], certify(cases.load(label))

@@ -17,8 +17,6 @@ from reports.studies.stability import study as stability
 
 from .. import fake_adapter
 
-pytestmark = pytest.mark.builds
-
 # What becomes of the rows of an adapter that misbehaves so in that part. Of a version nothing is a row's.
 FATES = {
     ("file", "missing"): "",  # it is not installed: no row, and its line says so

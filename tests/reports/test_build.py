@@ -20,8 +20,6 @@ from reports.page import report_folder, table_files
 from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
-pytestmark = pytest.mark.builds
-
 
 @pytest.fixture
 def case_file(tmp_path, monkeypatch):

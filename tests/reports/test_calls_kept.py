@@ -8,8 +8,6 @@ from reports.running import calls
 from reports.running.calls import Calls, StorePolicy
 from reports.running.storage.result_store import Store
 
-pytestmark = pytest.mark.builds
-
 LINE = cases.load("disc_on_line")
 KEEP = StorePolicy()
 

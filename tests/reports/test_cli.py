@@ -7,8 +7,6 @@ import pytest
 import cases
 from reports import cli
 
-pytestmark = pytest.mark.builds
-
 
 def test_a_sub_command_is_its_module(capsys):
     assert cli.main(["compare", "disc_in_circle[mu=0.2]", "nowhere.csv"]) == 2

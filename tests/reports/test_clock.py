@@ -17,8 +17,6 @@ from reports.running.timing.clock import ClockEntry, Contestant, Repeat
 
 from .watch import LOOP, Watch
 
-pytestmark = pytest.mark.builds
-
 LINE = cases.load("disc_on_line", mu=0.1)
 # A wait on the wall of a tenth of the work: a fifth would count as a disturbance.
 WAIT = 1.1

@@ -15,7 +15,7 @@ from reports.running.calls import Calls
 from reports.running.cluster import Cluster, NoWorkers
 
 pytest.importorskip("distributed")
-pytestmark = [pytest.mark.builds, pytest.mark.filterwarnings("ignore")]  # Dask's own
+pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own
 
 
 # Functions that every process has: one that answers, raises, ends its process, hangs; and one that cannot travel.

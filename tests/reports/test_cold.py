@@ -15,8 +15,6 @@ from reports.running.timing.clock import Contestant
 
 from .watch import LOOP, Watch
 
-pytestmark = pytest.mark.builds
-
 LINE = cases.load("disc_on_line", mu=0.1)
 BUILD, RUN, READ = 0.5, 0.25, 0.125
 CALL = BUILD + RUN + READ

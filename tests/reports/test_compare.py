@@ -13,8 +13,8 @@ from adapters.lookup import engine as adapter_of
 from cases import registry
 from reports import compare, export
 from reports.judging import diagnosis
-
-pytestmark = [pytest.mark.builds, pytest.mark.taylor]
+from tests.sampling import quick_every
+from tests.taylor.conftest import default_method  # noqa: F401 - a fixture
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -142,7 +142,7 @@ def creeping(speed: float) -> pd.DataFrame:
     return frame.assign(slip=frame.slip + np.where(sticks, speed * np.cos(40 * frame.t), 0.0))
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("how", ["option", "column", "comment"])
 def test_creep_is_no_slip_declared_or_not(tmp_path, capsys, how):
     frame, name, file = creeping(5e-3), "disc_in_circle[mu=0.2]", tmp_path / "motion.csv"
@@ -168,7 +168,7 @@ def test_creep_of_a_tenth_of_the_fastest_slip_is_slip(tmp_path, capsys):
     assert status == 0 and "spurious" in text
 
 
-@pytest.mark.sampled(2, first=1)
+@quick_every(2, first=1)
 @pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
 def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, when):
     frame = table(FULL[:8]).iloc[::4]

@@ -18,8 +18,6 @@ from reports.running import solvers
 from reports.running.records import one_default
 from reports.running.timing import clock, timed_pass
 
-pytestmark = pytest.mark.builds
-
 CASE = "disc_in_circle[mu=0.2]"
 
 

@@ -10,8 +10,6 @@ import pytest
 
 from reports import deposit, publish
 
-pytestmark = pytest.mark.builds
-
 LAST = publish.releases()[-1]
 ROOT = f"slip-to-roll-results-{LAST.name}"
 

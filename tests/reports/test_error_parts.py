@@ -12,8 +12,6 @@ from reports import study
 from reports.studies import error_parts
 from reports.studies.error_parts import ErrorCell
 
-pytestmark = pytest.mark.builds
-
 
 def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[ErrorCell]:
     """Cells of a grid h × facets with the first transition's error given by a function of both."""

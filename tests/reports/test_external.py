@@ -17,8 +17,6 @@ from reports.running import external_motions, tasks
 from reports.running.records import Experiment, Truth
 from reports.running.timing import timed_pass
 
-pytestmark = pytest.mark.builds
-
 LABEL = "disc_on_line[mu=0.1]"
 CASE = cases.load(LABEL)
 

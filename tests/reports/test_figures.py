@@ -22,8 +22,6 @@ from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
 
-pytestmark = pytest.mark.builds
-
 CASE = cases.load("disc_in_circle", mu=0.2)
 EVENT = Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL, "the slip velocity vanished")
 TIMES = np.linspace(0.0, 1.0, 201)

@@ -21,8 +21,6 @@ from cases import registry
 from cases.commands import TEMPLATE
 from reports import cli
 
-pytestmark = pytest.mark.builds
-
 LABEL = "disc_on_line[mu=0.1]"
 RUNS = "case,solver,route,setting,outcome,off,off_doubt\n{},exudyn,native,h,answered,0.1,0\n"
 FILES = {

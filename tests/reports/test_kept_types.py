@@ -24,8 +24,6 @@ from reports.studies.stability import study as stability
 
 from .identical import identical
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(reports.__file__).parent
 # The methods of `Calls` that keep answers, the modules that pass on what they are given to keep, and a function whose
 # first argument has the answers that are kept.

@@ -17,9 +17,7 @@ from reports.running import calls, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
 from reports.running.storage import fingerprint, source_code
-from tests.test_architecture import imported, modules
-
-pytestmark = pytest.mark.builds
+from tests.style.test_architecture import imported, modules
 
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
 

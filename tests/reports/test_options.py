@@ -14,8 +14,6 @@ from cases.files.command_line import status
 from cases.library import line
 from reports import animate, build, cli, deposit, options, show, sweep
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parents[2]
 # As the argument of `python -m`; "" has no module.
 COMMANDS = sorted({module for module, _ in cli.COMMANDS.values()} - {"", "cases.commands"} | {"cases", "reports.cli"})

@@ -27,10 +27,7 @@ from reports.page.engine_rows import engine_rows
 from reports.page.fragments import anchor, short_percent
 from reports.page.table_files import Tables, write
 from reports.running.records import Experiment, Truth
-
-from .test_verdict import experiment, run
-
-pytestmark = pytest.mark.builds
+from tests.judging.test_verdict import experiment, run
 
 CASE = cases.load("disc_on_line", mu=0.1)
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))

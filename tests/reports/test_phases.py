@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 from cases import Mode, Transition
 from reports.judging.phases import ModePhase, agreement, outside, phases_of, time_by_mode, time_in_another_mode
 
-pytestmark = pytest.mark.builds
-
 F, R, B, A = Mode.SLIP_FORWARD, Mode.ROLL, Mode.SLIP_BACKWARD, Mode.FLIGHT
 
 

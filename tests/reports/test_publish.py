@@ -22,8 +22,6 @@ from reports import compare_builds, options, publish
 from reports.page import report_folder
 from reports.page.manifest import FORMAT
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parent.parent.parent
 LAST = publish.releases()[-1]
 MANIFEST = json.loads((LAST / "manifest.json").read_text(encoding="utf-8"))

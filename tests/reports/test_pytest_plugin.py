@@ -10,8 +10,6 @@ import pytest
 
 from cases.commands import TEMPLATE
 
-pytestmark = pytest.mark.builds
-
 ROOT = Path(__file__).parents[2]
 ENGINE = ROOT / "starter" / "engine.py"
 # An installation that is older than the entry point does not have it: the plugin is then named.

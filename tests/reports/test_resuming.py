@@ -12,13 +12,12 @@ from adapters.processes import pool as pools
 from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.storage.result_store import Store
+from tests.taylor.conftest import default_method  # noqa: F401 - a fixture
 
 from .. import fake_adapter
 from .identical import identical
 
 # Answers of this process are compared with those of another one to the last digit.
-pytestmark = [pytest.mark.builds, pytest.mark.taylor]
-
 ROOT = Path(__file__).parents[2]
 VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
 

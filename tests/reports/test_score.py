@@ -14,10 +14,9 @@ from cases.contact import start_motion
 from reports.judging import friction_sensitivity, grades, null_motions
 from reports.judging.claims import claims_hold
 from reports.judging.grades import Grade, grade, sequence_note
+from tests.sampling import quick_every
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
-
-pytestmark = pytest.mark.builds
 
 PAPER = cases.load("disc_in_circle", mu=0.2)
 # Slip to roll and back; no disc; a landing.
@@ -46,7 +45,7 @@ REGULAR = (0.005, 0.025)
 ROUNDING = 1e-9
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @each_case
 def test_null_motions_are_as_wrong_as_ignoring_friction(case):
     truth = planted.judged(case)
@@ -67,7 +66,7 @@ def test_a_disc_that_rolls_from_the_start_keeps_the_speed_of_its_centre(label):
     assert (motion.vx[0], motion.vy[0]) == pytest.approx((start.vx, start.vy), abs=1e-15)
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @each_case
 def test_exact_motions_are_within_their_doubt(case):
     truth = planted.judged(case)
@@ -77,7 +76,7 @@ def test_exact_motions_are_within_their_doubt(case):
             assert score.off <= score.doubt + ROUNDING, (samples, noise, score)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @each_case
 def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
     truth = planted.judged(case)

@@ -22,8 +22,6 @@ from reports.judging import impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
 
-pytestmark = pytest.mark.builds
-
 ROCKING = cases.load("disc_rocking_in_groove")
 
 

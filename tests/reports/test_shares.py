@@ -12,8 +12,6 @@ from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, Watch
 
-pytestmark = pytest.mark.builds
-
 LINE, CIRCLE = cases.load("disc_on_line", mu=0.1), cases.load("disc_in_circle", mu=0.2)
 RUN = 0.04
 

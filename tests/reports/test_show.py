@@ -7,8 +7,6 @@ import pytest
 import cases
 from reports import options, show
 
-pytestmark = pytest.mark.builds
-
 CASE = "disc_on_incline[slope=0.4]"
 
 

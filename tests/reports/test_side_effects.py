@@ -18,8 +18,6 @@ from reports.running.records import Experiment, Run
 from .. import fake_adapter, side_effects
 from .identical import identical
 
-pytestmark = pytest.mark.builds
-
 CASE = cases.load(fake_adapter.CASE)
 
 

@@ -16,10 +16,9 @@ import pytest
 from cases.files.owned_folder import LIST
 from reports import build, options
 from reports.page.report_folder import of_report
+from tests.sampling import quick_every
 
 from .. import fake_adapter
-
-pytestmark = pytest.mark.builds
 
 ROOT = Path(__file__).parents[2]
 CASE = fake_adapter.CASE
@@ -106,7 +105,7 @@ def check_interrupt(folder: Path, command: str, after: float, **begun) -> None:
         )
 
 
-@pytest.mark.sampled(2)
+@quick_every(2)
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="the system does not report what a process has loaded")
 @pytest.mark.parametrize(("command", "after"), [("cases", 0.0), ("build", 0.1), ("console", 0.2), ("truth", 0.3)])
 def test_an_interrupt_is_one_sentence_already_while_modules_are_imported(command, after, folder):

@@ -21,8 +21,6 @@ from reports.running.storage.result_store import Store
 from ..full_disk import full_disk
 from .identical import identical
 
-pytestmark = pytest.mark.builds
-
 KEY = {"case": "c", "setting": ["h", "0.1"]}
 ROW = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 1 / 3, 1 / 7, 1 / 3 - 1 / 7, "paired")
 RUN = Run(

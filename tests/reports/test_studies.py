@@ -19,8 +19,6 @@ from reports.studies.stability.sensitivity import Conditioning, Sensitivity
 
 from .test_figures import score
 
-pytestmark = pytest.mark.builds
-
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
 SCENE = stability.HardScene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))

@@ -14,8 +14,6 @@ from cases import CaseError
 from reports import build, compare
 from reports.running import submissions
 
-pytestmark = pytest.mark.builds
-
 CASE = cases.load("disc_on_line", mu=0.1)
 HEAD = dict(engine="mine", version="1.0", who="Somebody", machine="a machine", settings="h = 1 ms")
 

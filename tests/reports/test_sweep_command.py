@@ -22,8 +22,6 @@ from reports.sweeping.computation import Part, run_parts
 from reports.sweeping.parts import SweepWork
 from reports.sweeping.sweep_folder import Folder
 
-pytestmark = pytest.mark.builds
-
 VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
 
 

@@ -19,8 +19,6 @@ from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, CallsHere, Watch
 
-pytestmark = pytest.mark.builds
-
 LINES = tuple(cases.load("disc_on_line", mu=mu) for mu in (0.1, 0.2))
 VERSIONS = {"pymunk": "7.2.0", "exudyn": "1.9.0", "reference": "0.1.0"}
 VERSIONS |= {"pymunk@6.11.1": "6.11.1", "pymunk@7.0.0": "7.0.0"}

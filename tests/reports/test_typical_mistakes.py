@@ -7,8 +7,7 @@ import pytest
 import cases
 import reference
 from reports import compare
-
-pytestmark = pytest.mark.builds
+from tests.sampling import quick_every
 
 CASE = "disc_in_circle[mu=0.2]"
 STEP = 2e-3
@@ -165,14 +164,14 @@ def said(frame, tmp_path, capsys) -> str:
     return out.out + out.err
 
 
-@pytest.mark.sampled(15)
+@quick_every(15)
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_typical_mistake_is_named(mistake, truth, tmp_path, capsys):
     spoil, words = MISTAKES[mistake]
     assert words in said(spoil(truth), tmp_path, capsys)
 
 
-@pytest.mark.sampled(3)
+@quick_every(3)
 @pytest.mark.parametrize("columns", [("t", *POSES), ("t", *POSES, *RATES), ("t", *POSES, *RATES, "slip")])
 def test_a_true_motion_is_accused_of_no_mistake(columns, truth, tmp_path, capsys):
     text = said(table(truth)[list(columns)], tmp_path, capsys)

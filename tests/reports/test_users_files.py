@@ -24,8 +24,6 @@ from reports.page import pictures
 
 from . import test_publish
 
-pytestmark = pytest.mark.builds
-
 QUICK = settings.get_current_profile_name() == "same"
 CASE = "disc_on_line[mu=0.1]"
 RELEASE = publish.releases()[-1]

@@ -13,8 +13,6 @@ from reports.running import cache_folder, experiment, solvers, versions
 from reports.running.calls import Calls
 from reports.running.storage import source_code
 
-pytestmark = pytest.mark.builds
-
 CASE = "disc_on_line[mu=0.1]"
 BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
 

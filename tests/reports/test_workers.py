@@ -26,8 +26,6 @@ from .called import (
     whose,
 )
 
-pytestmark = pytest.mark.builds
-
 # How a call misbehaves, what becomes of it, and a part of the reason, or of the value.
 WAYS = {
     "work": ("done", ""),

@@ -57,7 +57,7 @@ class Page:
     files: dict[str, tuple[str, str]] = field(default_factory=dict)
 
 
-CLONE = "it needs a clone; .ci/run makes it there, with --quick or as `make test`"
+CLONE = "it needs a clone; .ci/run and .ci/nightly make it there"
 NODES = "it needs machines that answer to these names; tests/reports/test_sweep_cluster.py has them on loopback"
 WHOLE = "a whole default report takes minutes; --quick goes the same way"
 OF_A_RELEASE = "it changes the sources, at a release"
@@ -213,7 +213,7 @@ WALK = {
     "page.md": Page(
         (
             Left("python -m reports.page.vendor", OF_A_RELEASE),
-            Left("apt-get install chromium", "it changes the system; .ci/run does where it may"),
+            Left("apt-get install chromium", "it changes the system; .ci/nightly does where it may"),
             Left("make browser", CLONE),
             Left(".venv/bin/python -m pytest tests/browser", CLONE),
         )

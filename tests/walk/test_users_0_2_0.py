@@ -27,8 +27,6 @@ from .installed import Environment
 from .pages import WALK, Left, Page, Step, commands
 from .test_walk import check_step, environment, walk, works  # noqa: F401 - a fixture
 
-pytestmark = pytest.mark.builds
-
 ARCHIVE = Path(__file__).with_name("users_0_2_0.zip")
 # Exported with 101 points of each curve: one scene with each kind of track, plate, effect and number of contacts.
 EXPORTS = (

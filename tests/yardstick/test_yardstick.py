@@ -12,8 +12,6 @@ from tests.authorities.published import PUBLICATIONS
 
 from .plant import CHOICES, HERE, ROOT, faults, read_results, with_patch
 
-pytestmark = pytest.mark.builds
-
 # The least numbers of rows: those of the tables at the commit 43ab33a3.
 ROOMS = {"cases": 16, "reference": 18, "adapters": 15, "reports": 24}
 CLAIMS, WITH_TEST, PAGES, VALUES = 211, 200, 26, 287
@@ -90,6 +88,6 @@ def test_each_value_from_outside_still_stands_in_the_tests():
     assert not losses
 
 
-@pytest.mark.parametrize("node", ["tests/test_names.py::test_none", "tests/no_file.py", "tests/no_file.py::test_a"])
+@pytest.mark.parametrize("node", ["tests/docs/test_docs.py::test_none", "tests/no_file.py", "tests/no_file.py::test_a"])
 def test_a_test_that_is_not_there_is_seen(node):
     assert absent(node) == node

@@ -19,7 +19,7 @@ from adapters.lookup import GROUP, executables, module_of
 
 # The suite's packages.
 SUITE = ("adapters", "cases", "reference", "reports")
-# The folders of `reports` whose code makes results: each may import those before it (tests/test_architecture.py).
+# The folders of `reports` whose code makes results: each may import those before it (tests/style/test_architecture.py).
 LAYERS = ("judging", "running", "analysis", "drawing", "sweeping", "studies", "page")
 # The modules of `adapters` that all adapters may import.
 SHARED = ("", "common", "gate", "interface", "lookup", "processes")
