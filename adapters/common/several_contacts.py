@@ -66,14 +66,16 @@ def may_touch_twice(case: Case) -> bool:
     """Whether a plate may touch the track in two places at once, as far as this module supports it.
 
     Between two places that a disc touches the track bends more than the disc: its arc has the same ends and tangents as
-    the disc's and is outside of it, so its curvature is at least 1/r somewhere.
+    the disc's and is outside of it, so its curvature is at least 1/r somewhere, or it has a hollow corner.
     """
-    if _has_corners(case):
-        return case.effect(Flight) is not None and not is_hill(case.track)
-    circle = round_plate(case)
-    if circle is None:
+    circle, track = round_plate(case), case.track
+    if _has_corners(case) and (case.effect(Flight) is None or is_hill(track)):
         return False
-    bend = case.track.curvature(np.linspace(*visible_span(case), 2001))
+    if circle is None:
+        return _has_corners(case)
+    if any(isinstance(one.piece, Corner) and one.piece.turn > 0.0 for one in track.elements):
+        return True
+    bend = track.curvature(np.linspace(*visible_span(case), 2001))
     return bool(np.max(bend) * circle.radius >= 1.0)
 
 

@@ -88,6 +88,18 @@ def test_the_gate_copies_the_columns_of_each_contact(rocking):
             gate.motion(replace(motion, **broken), ROCKING)
 
 
+@pytest.mark.parametrize(
+    ("corners", "twice"),
+    [([(-1, 0), (0, 0), (1, 0)], False), ([(-1, 0), (0, 0), (1, -0.5)], False), ([(-1, 0.5), (0, 0), (1, 0.5)], True)],
+)
+def test_a_disc_touches_twice_only_where_a_chain_has_a_hollow_corner(corners, twice):
+    """On tiles in line each search of the whole chain would take 5 ms a sample, and find one contact."""
+    case = cases.load("disc_over_seams")
+    start = cases.StartPose(-0.5, 0.1 if corners[0][1] == 0 else 0.4)
+    case = replace(case, track=cases.Chain.polyline(corners), start=start)
+    assert several_contacts.may_touch_twice(case) is twice
+
+
 # --- supports ---------------------------------------------------------------------------------------------------------
 
 
