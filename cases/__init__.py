@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         Unilateral,
     )
     from .fits import fit_friction, fit_waves
-    from .motion.trajectory import Cost, Mode, Passage, State, Trajectory, Transition
+    from .motion.trajectory import ContactImpulse, Cost, Mode, Passage, State, Trajectory, Transition
     from .own_effects import ContactEffect, ContactForce, EndCondition
     from .scene.case_class import Case
     from .scene.free_plates import FreePlate
@@ -52,6 +52,7 @@ __all__ = [
     "Chain",
     "ContactEffect",
     "ContactForce",
+    "ContactImpulse",
     "Cost",
     "CoulombFriction",
     "Curve",
@@ -103,7 +104,7 @@ _MODULES = {
     "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "scene.pair_effects": ("Pair",),
     "scene.plate": ("Plate", "block", "disc"), "scene.start": ("Start",), "scene.start_pose": ("StartPose",),
     "scene.supports": ("Support",),
-    "motion.trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
+    "motion.trajectory": ("ContactImpulse", "Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

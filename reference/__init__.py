@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
-    from .impulses import ContactImpulse, impacts
+    from .impulses import impacts
     from .laws_check.broken_laws import BrokenLaw
     from .laws_check.full_check import check
     from .parameter_derivatives import Derivatives, NoDerivative, derivatives
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 __all__ = [
     "METHODS",
     "BrokenLaw",
-    "ContactImpulse",
     "Derivatives",
     "NoDerivative",
     "certify",
@@ -34,7 +33,7 @@ _MODULE_OF = {
     "BrokenLaw": "laws_check.broken_laws",
     "check": "laws_check.full_check",
     **dict.fromkeys(("Derivatives", "NoDerivative", "derivatives"), "parameter_derivatives"),
-    **dict.fromkeys(("ContactImpulse", "impacts"), "impulses"),
+    "impacts": "impulses",
     "prove": "proofs.prover",
     **dict.fromkeys(("METHODS", "simulate"), "solve"),
     **dict.fromkeys(("sweep", "sweep_chunks"), "sweeping"),

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
+from cases import BadValue, Case, Chain, ContactImpulse, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.curves.corner import Corner
 from cases.curves.element import Element
 from cases.errors import between, unknown_name
@@ -159,11 +159,12 @@ class InitialValueProblem:
     relative: Case
     regime: Regime | None
     solve: Callable[[], Any]
+    rtol: float
 
     def trajectory(self, solution, cost: Cost = _FREE) -> Trajectory:
         """The result of `solve` as a motion in the fixed frame."""
         segments, transitions, ending = solution
-        motion = as_trajectory(self.relative, segments, transitions, ending, cost)
+        motion = as_trajectory(self.relative, segments, transitions, ending, cost, self.rtol)
         return motion if self.relative is self.case else in_fixed_frame(self.case, motion)
 
 
@@ -177,7 +178,7 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
         with suppress(Undecidable):  # the motion ends with that
             regime = first_regime(relative, start_state(relative))
     solve = partial(solve_motion, relative, rtol, integrate, regime, case)
-    return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve))
+    return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve), rtol)
 
 
 def _with_check(case: Case, rtol: float, solve: Callable[[], Any]):
@@ -205,9 +206,10 @@ def solve_motion(
 
 
 def as_trajectory(
-    case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE
+    case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE, rtol: float = 1e-10
 ) -> Trajectory:
-    """Convert the result of `solve_motion` to a trajectory with samples; steps and evaluations are added to `cost`."""
+    """Convert the result of `solve_motion` to a trajectory with samples; steps and evaluations are added to `cost`.
+    `rtol`: the tolerance it was computed with."""
     steps, evaluations = sum([s.steps for s in segments]), sum([s.evaluations for s in segments])
     cost = Cost(cost.cpu_s, cost.wall_s, cost.setup_s, steps, evaluations)
     status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
@@ -218,7 +220,15 @@ def as_trajectory(
         contacts, transitions = None, [replace(change, contact="") for change in transitions]
     warning = augmented_integrator.warning(segments)
     reason = f"{reason} {warning}" if warning else reason
-    return _trajectory(case, segments, transitions, status, reason, cost, contacts)
+    return _trajectory(case, segments, transitions, status, reason, cost, contacts, partial(_impulses, rtol=rtol))
+
+
+def _impulses(motion: Trajectory, rtol: float) -> tuple[ContactImpulse, ...]:
+    """The impulses of a motion's impacts, when they are asked for."""
+    from .impulses import impacts  # imports the check of laws, which a motion without impacts does not need
+
+    assert motion.case is not None, "a motion of the reference has its case"
+    return impacts(motion.case, motion, rtol)
 
 
 def _finite(segments: list[Segment]) -> bool:
@@ -290,10 +300,11 @@ def _name(element: Element) -> str:
 
 def _trajectory(
     case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost,
-    contacts: solver.AllContacts | None,
+    contacts: solver.AllContacts | None, impulses: Callable,
 ) -> Trajectory:  # fmt: skip
     """A trajectory with samples at the integrator's steps and on both sides of each transition, and a dense output."""
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
+    common["impulses"] = impulses
     common["passages"] = passages(segments) if has_pieces(case) else ()
     if not segments:
         # No motion and no contact force: the plate leaves at once, or no force is consistent.

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cases import BadValue, DoesNotFit, lookup
 from cases.files.user_files import existing, place
@@ -21,7 +22,6 @@ from . import compare_builds, gate, options
 if TYPE_CHECKING:
     from cases import Case, Trajectory
 
-    from .judging.law_error import LawError
     from .running.records import Run
 
 COMMAND = "reports.compare"
@@ -32,22 +32,41 @@ SHOWN_DIGITS = (
 )
 
 
+# The impulses of the impacts: those of the truth, and of the file from its velocities before and after them.
+IMPACTS = "Impacts (s, N s, J; the file's from its samples beside them, nan without velocities)"
+IMPACT_COLUMNS = (
+    "contact", "reference_time", "reference_normal", "normal", "reference_friction", "friction", "reference_work",
+    "work",
+)  # fmt: skip
+# Impacts that are listed; the text gives the number of the others.
+MOST_IMPACTS = 12
+# Times of a transition and of its impact differ by less than this part of the motion's duration: by error bars.
+SAME_TIME = 1e-9
+
+
 def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
     """Judge a file's motion; returns the result as text. `creep`: creep velocity of the solver while it sticks, m/s.
 
     Raises CaseError if the file cannot be judged or the reference has no truth.
     """
+    return _text(judgement(case, path, creep))
+
+
+def judgement(case: Case, path: str | Path, creep: float = 0.0) -> dict[str, Any]:
+    """The judgement of a file's motion as numbers and texts in SI units, of which `compare` makes its text."""
     from .running import external_motions
     from .running.tasks import find_truth
+    from .running.true_motions import true_motion
 
     try:
         external = external_motions.read(Path(path).name, case, Path(path), creep=creep)
     except DoesNotFit as problem:
         raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, path)])) from problem
-    run = external_motions.judge_motion(external, 1, find_truth(case))
+    truth = find_truth(case)
+    run = external_motions.judge_motion(external, 1, truth)
     if run.score is None:
         raise DoesNotFit(run.reason)
-    return _text(case, external.motion, run)
+    return _facts(case, external.motion, run, true_motion(case, truth.method))
 
 
 def _probable_mistakes(case: Case, path: str | Path) -> list[str]:
@@ -62,69 +81,137 @@ def _probable_mistakes(case: Case, path: str | Path) -> list[str]:
     return [] if truth.failure else mistakes(case, columns, true_motion(case, truth.method))
 
 
-def _text(case: Case, motion: Trajectory, run: Run) -> str:
-    from tabulate import tabulate
-
+def _facts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> dict[str, Any]:
     from adapters.common.motion_file import least_gap
     from cases.motion.mechanics import energy
 
     from .judging import grades
     from .judging.residuals import broken_laws, energy_growth
 
-    ledger = [
-        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _time_text(motion, r.time), r.pairing)
-        for r in run.ledger
-    ]
-    head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "pairing")
+    assert run.score is not None, "a motion that is judged has a score"
+    total = energy(case, motion)
+    return {
+        "case": case.label,
+        "file": run.solver,
+        "summary": grades.summary(run.score, run.friction_factor, run.reason),
+        "grade": run.grade,
+        "off": run.score.off,
+        "off_doubt": run.score.doubt,
+        "friction_factor": run.friction_factor,
+        "reason": run.reason,
+        "transitions": [
+            {
+                "event": r.event,
+                "before": str(r.before),
+                "after": str(r.after),
+                "contact": r.contact,
+                "time": r.time,
+                "reference_time": r.reference_time,
+                "error": r.error,
+                "seen_at": _time_of_sample(motion, r.time),
+                "pairing": r.pairing,
+            }
+            for r in run.ledger
+        ],
+        "impacts": _impacts(case, motion, run, true),
+        "distance": run.distance._asdict(),
+        "energy": {
+            "at the start (J)": float(total[0]),
+            "at the end (J)": float(total[-1]),
+            "largest growth (J)": float(energy_growth(case, motion)),
+        },
+        "law_error": run.law._asdict(),
+        "laws_broken": [*broken_laws(case, motion, least_gap(case, motion))],
+        "creep": run.score.creep,
+        "creep_declared": motion.slip_resolution,
+    }
+
+
+def _impacts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> list[dict[str, Any]]:
+    """The impulses of each contact in each impact of the truth, and those of the file from the velocities in it."""
+    from reference.impulses import impacts_of_samples
+
+    from .judging.doubts import are_differences
+
+    times = {r.reference_time: r.time for r in run.ledger if isfinite(r.reference_time)}
+    is_known = not are_differences(motion)  # differences of poses have both sides of an impact in them
+
+    def time_of(exact: float) -> float:
+        near = min(times, key=lambda t: abs(t - exact), default=nan)
+        return times[near] if is_known and abs(near - exact) <= SAME_TIME * float(true.t[-1]) else nan
+
+    rows = []
+    for exact, own in zip(true.impacts, impacts_of_samples(case, true, motion, time_of), strict=True):
+        values = {name: getattr(own, name) for name in ("normal", "friction", "work")}
+        rows.append({**{f"reference_{name}": getattr(exact, name) for name in values}, **values})
+        rows[-1] = {"contact": exact.contact, "reference_time": exact.time, "time": own.time, **rows[-1]}
+    return rows
+
+
+def _text(facts: dict[str, Any]) -> str:
+    from tabulate import tabulate
+
     # Of a difference of two times fewer digits are certain than of the times.
     digits = (".9g", ".9g", ".9g", ".9g", ".9g", ".7g", ".9g", ".9g")
-    distance = [(name, value) for name, value in run.distance._asdict().items()]
-    total = energy(case, motion)
-    energies = [
-        ("energy at the start (J)", total[0]),
-        ("energy at the end (J)", total[-1]),
-        ("largest growth (J)", energy_growth(case, motion)),
-    ]
-    violations = broken_laws(case, motion, least_gap(case, motion))
-    assert run.score is not None, "a motion that is judged has a score"
+    head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "pairing")
+    ledger = [[row[name] for name in head] for row in facts["transitions"]]
+    shown = [[row[name] for name in IMPACT_COLUMNS] for row in facts["impacts"][:MOST_IMPACTS]]
+    impacts = tabulate(shown, IMPACT_COLUMNS, floatfmt=("", ".9g", *6 * (".4g",)), missingval="nan")
+    more = len(facts["impacts"]) - len(shown)
+    energies = [(f"energy {name}", value) for name, value in facts["energy"].items()]
     return "\n\n".join(
         (
-            f"{run.solver} on {case.label}: {grades.summary(run.score, run.friction_factor, run.reason)}",
+            f"{facts['file']} on {facts['case']}: {facts['summary']}",
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=digits) if ledger else "none, as in the truth"),
-            "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
+            *([f"{IMPACTS}\n{impacts}" + (f"\n… and {more} more; --json has all" if more else "")] if shown else []),
+            "Distance from the reference (m, rad, m/s)\n" + tabulate([*facts["distance"].items()], floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
-            _law_text(run.law),
-            "Laws broken\n" + ("\n".join(violations) if violations else "none"),
-            _creep_text(run.score.creep, motion.slip_resolution),
+            _law_text(**facts["law_error"]),
+            "Laws broken\n" + ("\n".join(facts["laws_broken"]) or "none"),
+            _creep_text(facts["creep"], facts["creep_declared"]),
             SHOWN_DIGITS,
         )
     )
 
 
-def submission(folder: Path) -> str:
-    """The judgement of the motions in a folder as text; raises CaseError for the first that cannot be judged."""
-    from tabulate import tabulate
-
+def submission(folder: Path) -> dict[str, Any]:
+    """The judgement of the motions in a folder; raises CaseError for the first that cannot be judged."""
     from .running import submissions
 
     motions, runs = submissions.judge_all(folder)
-    rows, pairings = [], ("paired", "missed", "spurious")
+    rows = []
     for run in runs:
-        counts = [sum(r.pairing == word for r in run.ledger) for word in pairings]
         off, doubt = (run.score.off, run.score.doubt) if run.score else (nan, nan)
-        error = next((r.error for r in run.ledger if r.event == 1), nan)
-        rows.append((run.case, run.outcome, run.grade, off, doubt, run.friction_factor, *counts, error))
-    head = ("case", "outcome", "grade", "off", "± doubt", "friction ×", *pairings, "first transition's error / s")
-    why = "".join(f"\n\n{run.case}: {run.reason}" for run in runs if run.reason)
-    return f"{motions.name}, by {motions.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
+        rows.append(
+            {
+                "case": run.case,
+                "outcome": run.outcome,
+                "grade": run.grade,
+                "off": off,
+                "± doubt": doubt,
+                "friction ×": run.friction_factor,
+                **{word: sum(r.pairing == word for r in run.ledger) for word in ("paired", "missed", "spurious")},
+                "first transition's error / s": next((r.error for r in run.ledger if r.event == 1), nan),
+                "reason": run.reason,
+            }
+        )
+    return {"name": motions.name, "who": motions.words["who"], "motions": rows}
 
 
-def _law_text(error: LawError) -> str:
+def _submission_text(facts: dict[str, Any]) -> str:
+    from tabulate import tabulate
+
+    rows = [{name: value for name, value in row.items() if name != "reason"} for row in facts["motions"]]
+    why = "".join(f"\n\n{row['case']}: {row['reason']}" for row in facts["motions"] if row["reason"])
+    return f"{facts['name']}, by {facts['who']}\n\n{tabulate(rows, headers='keys', floatfmt='.3g')}{why}"
+
+
+def _law_text(median: float, upper: float, time: float) -> str:
     """The error of the law of friction in slip, from the file's samples alone."""
-    if not isfinite(error.median):
+    if not isfinite(median):
         return "Friction force in slip: not known (no slip, several contacts, or a moving track)."
-    most = f"90 % of the steps within {error.upper:.2g}, most at t = {error.time:.3g} s"
-    return f"Friction force in slip: off by {error.median:.2g} of μN (median; {most})."
+    most = f"90 % of the steps within {upper:.2g}, most at t = {time:.3g} s"
+    return f"Friction force in slip: off by {median:.2g} of μN (median; {most})."
 
 
 def _creep_text(creep: float, declared: float) -> str:
@@ -133,7 +220,7 @@ def _creep_text(creep: float, declared: float) -> str:
     return f"Creep where the truth rolls: {measured} (declared: {declared:.2g} m/s)."
 
 
-def _time_text(motion: Trajectory, time: float) -> float:
+def _time_of_sample(motion: Trajectory, time: float) -> float:
     """The time of the first sample at or after `time`; NaN if there is none."""
     place = int(motion.t.searchsorted(time))
     return float(motion.t[place]) if place < len(motion.t) else float("nan")
@@ -142,7 +229,7 @@ def _time_text(motion: Trajectory, time: float) -> float:
 @options.runs(
     COMMAND, "Judge an exported trajectory, or compare two reports: all differences, or with --worse-than whether the "
     "second is worse (exit status 1; 3 if that is not decided).",
-    "case_file", "creep", "solver", "worse_than", "format",
+    "case_file", "creep", "solver", "worse_than", "format", "json",
     words={
         "CASE": f"{options.A_CASE}; or the folder of a report, or, alone, of motions with their submission.toml",
         "FILE*": "comma-separated values with the columns t, x, y, theta; or the folder of another report",
@@ -155,8 +242,7 @@ def main(arguments: Namespace, words: list[str]) -> int:
     if not arguments.FILE:
         if not Path(arguments.CASE).is_dir():
             raise BadValue(f"{arguments.CASE!r} is no folder of motions; give a case and a FILE, or such a folder")
-        print(submission(place("folder", arguments.CASE)))
-        return 0
+        return _print(arguments, submission(place("folder", arguments.CASE)), _submission_text)
     if len(arguments.FILE) > 1:
         raise BadValue(f"give one file, not {len(arguments.FILE)}")
     (file,) = arguments.FILE
@@ -164,12 +250,17 @@ def main(arguments: Namespace, words: list[str]) -> int:
         one, other = place("report", arguments.CASE), place("report", file)
         if arguments.worse_than is not None:
             return gate.show(one, other, arguments)
-        return compare_builds.show(one, other, arguments.solver or ())
+        return compare_builds.show(one, other, arguments)
     if arguments.solver or arguments.worse_than is not None:
         raise BadValue("--solver and --worse-than are for the folders of two reports; leave them out")
     options.load_files(arguments.case_file)
     case = lookup.case_name(arguments.CASE).one()
-    print(compare(case, existing("file", file), options.creep_of(arguments.creep)))
+    return _print(arguments, judgement(case, existing("file", file), options.creep_of(arguments.creep)), _text)
+
+
+def _print(arguments: Namespace, facts: dict[str, Any], as_text: Callable[[dict[str, Any]], str]) -> int:
+    """Print facts as JSON, or as text."""
+    print(options.json_of(facts) if options.is_json(arguments) else as_text(facts))
     return 0
 
 

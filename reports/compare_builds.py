@@ -222,6 +222,14 @@ def summary_lines(comparison: BuildComparison, one: Path, other: Path, solvers: 
     return "\n".join(map(legible, lines))  # an untrusted report can contain any text
 
 
+def _as_dict(comparison: BuildComparison) -> dict[str, Any]:
+    """The comparison for JSON: each difference by names."""
+    lists = {
+        name: [d._asdict() for d in value] for name, value in comparison._asdict().items() if isinstance(value, list)
+    }
+    return {**lists, "ratio_count": comparison.ratio_count}
+
+
 def _short(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "(empty)"
 
@@ -255,23 +263,27 @@ def _manifest(file: Path) -> dict[str, Any]:
     return manifest
 
 
-def show(one: Path, other: Path, solvers: Sequence[str]) -> int:
-    """Print the differences between two reports; returns the exit status of the command."""
+def show(one: Path, other: Path, arguments: Namespace) -> int:
+    """Print the differences between two reports as the options `solver` and `format` ask; returns the exit status."""
+    solvers = arguments.solver or ()
     if len(solvers) not in (0, 2):
         raise BadValue("give --solver twice, once for A and once for B, or not at all")
     comparison = compare(one, other, solvers)
-    print(summary_lines(comparison, one, other, solvers))
+    if options.is_json(arguments):
+        print(options.json_of(_as_dict(comparison)))
+    else:
+        print(summary_lines(comparison, one, other, solvers))
     return 0 if comparison.same else 3
 
 
 @options.runs(
-    COMMAND, "Show the differences between two reports, or between two solvers.", "solver",
+    COMMAND, "Show the differences between two reports, or between two solvers.", "solver", "format",
     words={"A": "the folder of a report", "B": "the folder of another"},
     example=f"python -m {COMMAND} report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
 )  # fmt: skip
 def main(arguments: Namespace, words: list[str]) -> int:
     """Run the command by its older name; returns its exit status."""
-    return show(place("report", arguments.A), place("report", arguments.B), arguments.solver or ())
+    return show(place("report", arguments.A), place("report", arguments.B), arguments)
 
 
 if __name__ == "__main__":

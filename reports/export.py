@@ -2,18 +2,20 @@
 
 Writes scene.json (`adapters.by_process.scene_file`, the input of executables, with the true transitions and their error
 bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion: its samples in
-motion.csv, the polynomials of its steps in motion_steps.csv.
+motion.csv, the polynomials of its steps in motion_steps.csv, the impulses of its impacts in impacts.csv.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cases import ContactImpulse
 from cases.files.owned_folder import atomic_path, write
 
 from . import options
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 # Samples of the true motion, at equal times: so many that the phases too short for them leave a doubt of about 1 %
 # where a disc bounces, or rocks, to rest.
 SAMPLES = 4001
-FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv", "motion_steps.csv")
+FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv", "motion_steps.csv", "impacts.csv")
 # Columns of plates, and of closed contacts, in motion_steps.csv.
 OF_PLATES = ("x", "y", "theta", "vx", "vy", "omega")
 OF_CONTACTS = ("xi1", "xi2", "slip", "normal_force", "friction_force")
@@ -59,6 +61,7 @@ def export(case: Case, folder: Path, replace: bool = True, points: int | None = 
     names, rows = motion(true)
     _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")
     write(paths[4], steps_text(true), replace)
+    write(paths[5], impacts_text(true), replace)
     return paths
 
 
@@ -119,6 +122,15 @@ def steps_text(true: Trajectory) -> str:
             ",".join([name, quantity, f"{a:.17g}", f"{b:.17g}", *(f"{c:.17g}" for c in row)])
             for a, b, row in zip(start[is_known], end[is_known], table[is_known], strict=True)
         ]
+    return "\n".join(lines) + "\n"
+
+
+def impacts_text(true: Trajectory) -> str:
+    """A line for each contact in each impact: time (s), impulses along normal and tangent (N s), work (J); empty where
+    velocities do not determine them."""
+    lines = [",".join(ContactImpulse._fields)]
+    for time, contact, *values in true.impacts:
+        lines.append(",".join([f"{time:.17g}", contact, *("" if isnan(v) else f"{v:.17g}" for v in values)]))
     return "\n".join(lines) + "\n"
 
 

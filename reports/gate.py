@@ -9,7 +9,6 @@ is worse, 1 if one is, 3 if none is but some are not decided, and 2 with one sen
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -19,7 +18,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from cases import BadValue
-from cases.errors import legible, not_negative, number_in
+from cases.errors import choice, legible, not_negative, number_in
 from cases.files.user_files import place
 
 from . import options
@@ -143,14 +142,8 @@ def as_text(changes: Sequence[RunChange]) -> str:
 
 def as_json(changes: Sequence[RunChange]) -> str:
     """Counts and all runs; an error that is not known is null."""
-    rows = [
-        {
-            name: None if isinstance(value, float) and not isfinite(value) else value
-            for name, value in run._asdict().items()
-        }
-        for run in changes
-    ]
-    return json.dumps({"counts": Counter(run.change for run in changes), "runs": rows}, indent=1)
+    counts = Counter(run.change for run in changes)
+    return options.json_of({"counts": counts, "runs": [run._asdict() for run in changes]})
 
 
 def as_junit(changes: Sequence[RunChange]) -> str:
@@ -179,8 +172,7 @@ def tolerance_of(words: str) -> float:
 
 def show(baseline: Path, report: Path, arguments: argparse.Namespace) -> int:
     """Print the changed runs as the options `worse_than`, `format` and `solver` ask; returns the exit status."""
-    if arguments.format not in FORMATS:
-        raise BadValue(f"--format is {arguments.format!r}; give one of {', '.join(FORMATS)}")
+    choice("--format", arguments.format, FORMATS)
     changes = compare(baseline, report, tolerance_of(arguments.worse_than), arguments.solver or ())
     print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
     return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, OPEN, 1).index, default=0)

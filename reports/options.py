@@ -120,6 +120,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help="compile versions without a wheel for this Python, by the package's own build; needs a C compiler",
     ),
     "format": dict(metavar="NAME", default="text", help="text, json or junit (default: text)"),
+    "json": dict(action="store_const", const="json", dest="format", help="print JSON, as --format json"),
     "refine": dict(
         metavar="WIDTH",
         help="locate the boundaries between outcomes to this width in the first varied parameter",
@@ -339,6 +340,18 @@ def _trajectories(texts: Sequence[str], case_list: Sequence[Case]) -> tuple[Exte
 def creep_of(text: str) -> float:
     """Parse a speed in m/s; raises BadValue unless it is a number of at least 0."""
     return not_negative("--creep, a speed in m/s,", number_in("--creep", text))
+
+
+def is_json(arguments: argparse.Namespace) -> bool:
+    """Whether the output is JSON, not text; raises BadValue for another format."""
+    return choice("--format", arguments.format, ("text", "json")) == "json"
+
+
+def json_of(content: dict[str, Any]) -> str:
+    """The content as JSON, with null for a number that is not known."""
+    from adapters.by_process.scene_file import as_json  # imports SymPy, which help does not need
+
+    return as_json(content, indent=1)
 
 
 def points_of(text: str | None) -> int | None:

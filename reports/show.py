@@ -126,7 +126,10 @@ def facts(case: Case, motion: Trajectory) -> str:
     lines += [f"  {name} = {case.parameters.get(name, value)}" for name, value in entry.parameters.items()]
     of_contacts = [f"{name} {motion.of(name).first_mode}" for name in motion.contact_names]
     lines += ["motion", f"  begins: {', '.join(of_contacts) if len(of_contacts) > 1 else motion.first_mode}"]
-    lines += [f"  {t.time:.9f} s: {t.contact and f'{t.contact} '}{t.after} ({t.cause})" for t in motion.transitions]
+    for t in motion.transitions:
+        impulse = motion.impulse_at(t)
+        how = "; ".join([t.cause, *([impulse.in_words()] if impulse else [])])
+        lines.append(f"  {t.time:.9f} s: {t.contact and f'{t.contact} '}{t.after} ({how})")
     lines += [f"  {motion.t[-1]:.9f} s: {motion.status}. {motion.reason}", "solvers", "  reference: runs it"]
     with Calls() as calls:
         for (_, name), of_routes in offers([case], options.solvers()[1:], calls).items():

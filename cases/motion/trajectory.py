@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, replace
 from enum import StrEnum
 from functools import partial
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
@@ -29,6 +30,8 @@ EVEN_TIMES = 1001
 MOST_TIMES = 10_000_000
 # A contact that never slips faster than this part of the fastest speed sticks: what roundings of velocities leave.
 _NO_SLIP = 1e-9
+# Times of a transition and of its impact differ by less than this part of the motion's duration, by roundings.
+_SAME_TIME = 1e-12
 
 
 class Mode(StrEnum):
@@ -89,6 +92,26 @@ class Passage:
 
     def __repr__(self) -> str:
         return f"Passage({self.time:.9g} s: {self.curve}, {self.before} -> {self.after})"
+
+
+class ContactImpulse(NamedTuple):
+    """What one contact does in an impact at a `time` (s): the impulses along its normal and tangent, N s, and their
+    work, J (negative: lost energy). An impulse that the velocities do not determine, as of a box that lands on both
+    corners with friction, is NaN."""
+
+    time: float
+    contact: str
+    normal: float
+    friction: float
+    work: float
+
+    def in_words(self) -> str:
+        """For example "normal 4.698 N s, friction -0.3333 N s, work -3.845 J"."""
+        units = (("normal", self.normal, "N s"), ("friction", self.friction, "N s"), ("work", self.work, "J"))
+        return ", ".join(f"{name} {'not unique' if isnan(x) else f'{x:.4g} {unit}'}" for name, x, unit in units)
+
+
+_NO_IMPULSE = ContactImpulse(np.nan, "", np.nan, np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -159,6 +182,11 @@ class _OneContact:
         )
 
 
+def _of_contact(motion: Trajectory, one: Trajectory) -> tuple[ContactImpulse, ...]:
+    """Of the impacts of a motion with several contacts those of `one` of them."""
+    return tuple(impulse for impulse in motion.impacts if impulse.contact in one.contact_names)
+
+
 def _read_only(values: np.ndarray) -> np.ndarray:
     """The values as an array that cannot be written; itself if it is one."""
     if isinstance(values, np.ndarray) and not values.flags.writeable:
@@ -180,7 +208,7 @@ class Trajectory:
     sentence about it. `slip_resolution` (m/s) is the creep below which this solver cannot distinguish stick from slip
     (0: exact). `passages` of the contact between pieces and corners of a chain are empty on smooth curves. `dense` maps
     a time or an array of times inside the range to a State; without it the samples are interpolated. `case`, if known,
-    is the case of the motion: `plot` and `animate` draw it.
+    is the case of the motion: `plot` and `animate` draw it. `impulses` maps the motion to its `impacts`.
 
     In a motion with several contacts `contact_names` lists them, `contacts` has the columns of each, and `of` gives the
     motion of one; slip, forces and parameters of the trajectory itself are those of the first closed contact. In a
@@ -213,6 +241,7 @@ class Trajectory:
     contact_columns: Callable[[str, np.ndarray | None], ContactColumns] | None = None
     plate_names: tuple[str, ...] = (FIRST,)
     plate_columns: Callable[[str, np.ndarray | None], State] | None = None
+    impulses: Callable[[Trajectory], tuple[ContactImpulse, ...]] | None = None
 
     def plate(self, name: str) -> Trajectory:
         """The motion of one plate of several: its pose and velocities. Slip, forces and parameters are NaN: `contacts`
@@ -224,7 +253,7 @@ class Trajectory:
         dense = self.dense and partial(self.plate_columns, name)
         return replace(
             self, **self.plate_columns(name, None)._asdict(), transitions=(), first_mode=None, dense=dense,
-            contact_names=(), contact_columns=None, plate_names=(name,), plate_columns=None,
+            contact_names=(), contact_columns=None, plate_names=(name,), plate_columns=None, impulses=None,
         )  # fmt: skip
 
     @property
@@ -247,8 +276,31 @@ class Trajectory:
             self, slip=now.slip, normal_force=now.normal_force, friction_force=now.friction_force, xi1=now.xi1,
             xi2=now.xi2, transitions=transitions, first_mode=self._first_mode_of(contact, transitions, now.slip),
             dense=self.dense and _OneContact(self.dense, columns, contact),
-            contact_names=(contact,), contact_columns=None,
+            contact_names=(contact,), contact_columns=None, impulses=self.impulses and partial(_of_contact, self),
         )  # fmt: skip
+
+    @property
+    def impacts(self) -> tuple[ContactImpulse, ...]:
+        """The impulses and the work of each contact in every impact, in the order of their times.
+
+        Raises BadValue for a motion whose solver does not give them: the reference does."""
+        if self.impulses is None:
+            raise BadValue("this motion has no impulses; one of reference.simulate has, but for those of its plates")
+        if "_impacts" not in vars(self):
+            vars(self)["_impacts"] = self.impulses(self)
+        return vars(self)["_impacts"]
+
+    def impulse_at(self, change: Transition) -> ContactImpulse | None:
+        """The impulses of the impact at a transition; None for one without, and if the solver does not give them."""
+        near = _SAME_TIME * float(self.t[-1])
+        return next(
+            (
+                one
+                for one in (self.impacts if self.impulses else ())
+                if abs(one.time - change.time) <= near and change.contact in ("", one.contact)
+            ),
+            None,
+        )
 
     def _first_mode_of(self, contact: str, transitions: tuple[Transition, ...], slip: np.ndarray) -> Mode | None:
         """The first mode of one contact: what its first transition leaves, or the mode that it has all the time."""
@@ -390,6 +442,18 @@ class Trajectory:
 
         times = self.times(count)
         return pd.DataFrame({"t": times, **self(times)._asdict()})
+
+    def transition_frame(self) -> pd.DataFrame:
+        """The transitions as a table: the fields of each Transition, and normal and friction impulse (N s) and work (J)
+        of its contact where it is an impact, else NaN."""
+        import pandas as pd
+
+        head = [f.name for f in fields(Transition)]
+        rows = [
+            [*(getattr(change, name) for name in head), *((self.impulse_at(change) or _NO_IMPULSE)[2:])]
+            for change in self.transitions
+        ]
+        return pd.DataFrame(rows, columns=[*head, "normal_impulse", "friction_impulse", "work"])
 
     def to_csv(self, path: str | Path, count: int | None = None) -> Path:
         """Write that table with all digits, and an empty cell for a missing value (slip in flight); returns the path.

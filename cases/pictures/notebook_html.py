@@ -43,7 +43,10 @@ def of_case(case: Any) -> str:
 def of_motion(motion: Any) -> str:
     """A motion in words, its transitions, and the scene if its case is available, as HTML."""
     head = f"<b>{escape(motion.case.label)}</b><br>" if motion.case else ""
-    rows = [(f"{t.time:.9g} s", f"{t.before} → {t.after}", t.cause) for t in motion.transitions[:_MOST]]
+    rows = [
+        (f"{t.time:.9g} s", t.contact, f"{t.before} → {t.after}", t.cause, *_impulse(motion, t))
+        for t in motion.transitions[:_MOST]
+    ]
     remaining = len(motion.transitions) - len(rows)
     more = f"<p>… and {remaining} more</p>" if remaining else ""
     words = f"{head}{escape(motion.in_words())}{table(rows) if rows else ''}{more}"
@@ -54,6 +57,12 @@ def of_motion(motion: Any) -> str:
     poses, others = shown_poses(motion, times, state, most=_MOST)
     path = np.array([state.x, state.y])
     return _side_by_side(_scene(motion.case.scene, *poses, path=path, xi1=state.xi1, others=others), words)
+
+
+def _impulse(motion: Any, change: Any) -> list[str]:
+    """The impulses of an impact in words; none for another change."""
+    impulse = motion.impulse_at(change)
+    return [] if impulse is None else [impulse.in_words()]
 
 
 def table(rows: Any) -> str:

@@ -1,13 +1,30 @@
 """Impulses of impacts: exact ones by momenta, their work by the change of kinetic energy."""
 
+import pickle
 from math import isnan, sqrt
 
+import numpy as np
 import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, StartPose, Unilateral, disc, library
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Plate,
+    StartPose,
+    State,
+    Trajectory,
+    Unilateral,
+    disc,
+    library,
+)
+from cases.motion.sampled_contacts import SampledPlates
 from cases.scene.free_plates import plates_of
+from reference.impulses import impacts_of_samples
 
 G = 9.81
 ROUNDING = 1e-11  # relative: of the velocities at an impact, which an integration gives
@@ -74,4 +91,38 @@ def kinetic(case, motion, t, side):
 
 def test_a_motion_without_impacts_has_none():
     case = cases.load("disc_in_circle")
-    assert reference.impacts(case, reference.simulate(case)) == ()
+    motion = reference.simulate(case)
+    assert reference.impacts(case, motion) == motion.impacts == ()
+    assert motion.transition_frame()["normal_impulse"].isna().all()
+
+
+def test_a_motion_and_its_table_of_transitions_have_them():
+    case = cases.load("dropped_box")
+    motion = reference.simulate(case)
+    assert repr(motion.impacts) == repr(reference.impacts(case, motion))  # NaN is not itself
+    table = motion.transition_frame()
+    hits = table[table.cause == "impact"]
+    by_contact = {(one.time, one.contact): one.normal for one in motion.impacts}
+    assert [by_contact[row.time, row.contact] for row in hits.itertuples()] == hits["normal_impulse"].tolist()
+    alone = motion.of("plate/track 2")
+    assert [one.contact for one in alone.impacts] == ["plate/track 2"]
+    assert repr(pickle.loads(pickle.dumps(motion)).impacts) == repr(motion.impacts)
+    with pytest.raises(cases.BadValue, match=r"one of reference.simulate has"):
+        Trajectory(t=[0.0], **{name: [0.0] for name in State._fields}).impacts  # noqa: B018  (a property that raises)
+
+
+@pytest.mark.parametrize("name", ["bouncing_disc", "disc_onto_incline", "disc_on_free_disc"])
+def test_impulses_from_samples_beside_the_impacts(name):
+    case = cases.load(name)
+    truth = reference.simulate(case)
+    t = np.linspace(0.0, truth.t[-1], 4001)
+    plates = {one: np.array(truth.plate(one)(t)[:6]) for one in truth.plate_names}
+    further = dict(plate_names=truth.plate_names, plate_columns=SampledPlates(t, plates)) if len(plates) > 1 else {}
+    motion = Trajectory(t=t, **truth(t)._asdict(), **further)
+    own = impacts_of_samples(case, truth, motion, lambda time: time)
+    rest = 20.0 * sum(plate.mass for plate in plates_of(case)) * t[1]  # of contacts that go on, between two samples
+    assert len(own) == len(truth.impacts) > 0
+    for ours, exact in zip(own, truth.impacts, strict=True):
+        assert ours[2:4] == pytest.approx(exact[2:4], rel=1e-6, abs=rest, nan_ok=True)
+    late = impacts_of_samples(case, truth, motion, lambda time: 2.0 * truth.t[-1])
+    assert all(isnan(one.normal) for one in late)

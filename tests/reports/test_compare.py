@@ -1,5 +1,6 @@
 """A trajectory from a file is judged like any solver's; a file that cannot be judged gives one sentence."""
 
+import json
 import re
 
 import numpy as np
@@ -277,3 +278,55 @@ def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
     names, rows = export.motion(export.true_motion(case))
     table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
     assert motion_file.trajectory_of(case, table).status == "lift_off"
+
+
+def test_impulses_of_impacts_stand_beside_the_truths_in_text_and_json(tmp_path, capsys):
+    case = cases.load("bouncing_disc")
+    motion, file = reference.simulate(case), tmp_path / "soft.csv"
+    frame = table(FULL, motion, samples=4001).fillna(0.0)
+    first = motion.impacts[0]
+    # Half of the first impact's friction is missing: of its change of velocity and of rotation.
+    later = frame.t > first.time
+    turn = motion(first.time + 1e-6).omega - motion(first.time - 1e-6).omega
+    for rate, pose, change in (("vx", "x", first.friction), ("omega", "theta", turn)):
+        frame.loc[later, rate] -= 0.5 * change
+        frame.loc[later, pose] -= 0.5 * change * (frame.t - first.time)
+    frame.drop(columns="slip").to_csv(file, index=False)
+    assert compare.main(["bouncing_disc", str(file)]) == 0
+    text = capsys.readouterr().out
+    (line,) = [line.split() for line in text.splitlines() if line.startswith("plate/track") and "0.319275428" in line]
+    assert line[2:6] == ["4.698", "4.698", "-0.3333", "-0.1667"]
+    assert compare.main(["bouncing_disc", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    one = found["impacts"][0]
+    assert one["reference_friction"] == pytest.approx(first.friction) and one["normal"] == pytest.approx(first.normal)
+    assert one["friction"] == pytest.approx(0.5 * first.friction, rel=1e-6)
+    assert found["grade"] and found["transitions"][0]["pairing"] == "paired"
+    # With poses alone the velocities at an impact are differences over it.
+    frame[["t", "x", "y", "theta"]].to_csv(file, index=False)
+    assert (
+        compare.judgement(case, file)["impacts"][0]["normal"] != compare.judgement(case, file)["impacts"][0]["normal"]
+    )
+
+
+def test_the_exported_impacts_are_those_of_the_motion(tmp_path):
+    case = cases.load("dropped_box")
+    export.export(case, tmp_path)
+    rows, true = pd.read_csv(tmp_path / "impacts.csv"), export.true_motion(case).impacts
+    assert rows["contact"].tolist() == [one.contact for one in true] and len(rows) == 3
+    for name in ("time", "normal", "friction", "work"):
+        assert rows[name].tolist() == pytest.approx([getattr(one, name) for one in true], rel=1e-15, nan_ok=True)
+
+
+def test_two_reports_are_compared_as_json(tmp_path, capsys):
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        (folder / "tables").mkdir(parents=True)
+        (folder / "manifest.json").write_text('{"format": 2}')
+        off = "0.1" if folder.name == "a" else "0.2"
+        head = "case,solver,route,setting,outcome,off,off_doubt,rung"
+        (folder / "tables" / "trajectories.csv").write_text(f"{head}\nball,mine,native,h=1,answered,{off},0,1\n")
+    assert compare.main([str(tmp_path / "a"), str(tmp_path / "b"), "--json"]) == 3
+    found = json.loads(capsys.readouterr().out)
+    assert [(d["column"], d["one"], d["other"]) for d in found["results"]] == [("off", "0.1", "0.2")]
+    assert compare.main([str(tmp_path / "a"), str(tmp_path / "b"), "--format", "junit"]) == 2
+    assert "--format" in capsys.readouterr().err

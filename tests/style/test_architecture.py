@@ -120,7 +120,7 @@ PARTS = {
     "augmented_integrator": {"effect_laws", "minimal", "paper"},
     "solver": {"effect_laws", "minimal", "scales", "time_limit", "endings", "curvature_proof"},
     "witness": {"scales", "time_limit"},
-    "solve": {"minimal", "augmented_integrator", "solver", "solution_check", "endings"},
+    "solve": {"minimal", "augmented_integrator", "solver", "solution_check", "endings", "impulses"},
     "narration": {"solve"},
     "laws_check": {"scales", "curvature_proof", "endings"},
     "parameter_derivatives": {"certification", "solve"},
