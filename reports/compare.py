@@ -239,6 +239,8 @@ def _time_of_sample(motion: Trajectory, time: float) -> float:
 def main(arguments: Namespace, words: list[str]) -> int:
     """Print the judgement of a file or a folder of motions, or the comparison of two reports; returns the exit
     status."""
+    if arguments.json:
+        arguments.format = "json"
     if not arguments.FILE:
         if not Path(arguments.CASE).is_dir():
             raise BadValue(f"{arguments.CASE!r} is no folder of motions; give a case and a FILE, or such a folder")

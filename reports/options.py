@@ -120,7 +120,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help="compile versions without a wheel for this Python, by the package's own build; needs a C compiler",
     ),
     "format": dict(metavar="NAME", default="text", help="text, json or junit (default: text)"),
-    "json": dict(action="store_const", const="json", dest="format", help="print JSON, as --format json"),
+    "json": dict(action="store_true", help="print JSON"),
     "refine": dict(
         metavar="WIDTH",
         help="locate the boundaries between outcomes to this width in the first varied parameter",
