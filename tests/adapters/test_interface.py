@@ -6,12 +6,6 @@ import pytest
 
 import adapters
 from adapters import Setting, lookup
-from cases import UnknownName
-
-
-def test_an_unknown_engine_is_refused_with_those_there_are():
-    with pytest.raises(UnknownName, match="choose from .*exudyn"):
-        adapters.engine("exudin")
 
 
 def test_an_installed_package_brings_its_adapter_by_an_entry_point(monkeypatch):

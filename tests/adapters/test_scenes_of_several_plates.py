@@ -117,11 +117,6 @@ def test_a_table_that_is_no_motion_of_all_plates_is_rejected(exported, change, m
         motion_file.trajectory_of(case, change(motion_table.read(file)))
 
 
-def test_two_columns_of_one_name_are_rejected():
-    with pytest.raises(BadValue, match="2 columns x of upper"):
-        motion_table.parse("t,x,y,theta,x of upper,x of upper\n0,0,0,0,0,0\n", "motion.csv")
-
-
 # --- the suite's executables ------------------------------------------------------------------------------------------
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import reference
-from cases import BadValue, Case, CoulombFriction, Gravity, Start, Unilateral, block, library
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, block, library
 from cases.pictures.layout import Instant, place_outline
 
 G, MU, SLOPE = 9.81, 0.2, radians(30)
@@ -33,9 +33,3 @@ def test_a_block_is_drawn_along_its_track():
         # The nearest point in flight is one of 1,001 along the track, which is straight: only roundings remain.
         assert sorted(across) == pytest.approx([0, 0, 0, HEIGHT, HEIGHT], abs=1e-12)
         assert np.ptp(corners[0] * cos(SLOPE) - corners[1] * sin(SLOPE)) == pytest.approx(WIDTH)
-
-
-def test_a_block_needs_a_width_and_a_height():
-    for width, height in ((0.0, 1.0), (1.0, -1.0)):
-        with pytest.raises(BadValue, match="of the block"):
-            block(width, height, 1.0)

@@ -16,9 +16,8 @@ from adapters.by_process.scene_file import SCHEMA_FILE
 from adapters.common import motion_file, motion_table
 from adapters.common.facets import visible_span
 from adapters.laws.law_process import AdapterProcess
-from cases import BadValue
 from cases.contact import start_motion
-from reports import build, export, options
+from reports import export
 from reports.running.tasks import find_truth, measure
 
 PAGE = Path(__file__).parents[2] / "docs" / "process_protocol.md"
@@ -178,17 +177,6 @@ def test_points_sets_the_number_of_points_of_exported_curves(tmp_path, monkeypat
     assert errors[251] / errors[1001] == pytest.approx(16.0, rel=1e-3)  # the square of the number of chords
 
 
-@pytest.mark.parametrize("text", ["1", "0", "-5", "2.5", "100001", "many", "9" * 400])
-def test_a_number_of_points_out_of_range_is_one_sentence(text):
-    with pytest.raises(BadValue, match="give a (whole number from 2 to 100000|finite number|number)$"):
-        options.points_of(text)
-
-
-def test_points_without_an_executable_is_one_sentence(capsys):
-    assert build.main(["--quick", "--points", "50"]) == 2
-    assert capsys.readouterr().err == "reports.build: --points is for executables; give it with --engine FILE\n"
-
-
 # --- an engine in another language ------------------------------------------------------------------------------------
 
 
@@ -243,14 +231,3 @@ def test_every_way_to_fail_is_a_row(registered, text, outcome, word, monkeypatch
     found = row(registered("failing", text))
     assert found.outcome == outcome, found.reason
     assert word in found.reason
-
-
-def test_what_is_no_executable_or_takes_another_engines_name_is_refused(registered, tmp_path):
-    plain = tmp_path / "plain"
-    plain.write_text("text")
-    with pytest.raises(BadValue, match="chmod"):
-        lookup.register(plain)
-    with pytest.raises(BadValue, match="of its own"):
-        registered("pymunk", HEAD)
-    with pytest.raises(BadValue, match="of its own"):
-        registered("two words", HEAD)

@@ -99,29 +99,6 @@ def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_fa
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["shwo"], "choose from"),
-        (["new"], "new NAME"),
-        (["new", "my valley"], "cannot name a case"),
-        (["new", "class"], "cannot name a case"),
-        (["new", "disc_on_line"], "already a case"),
-        (["check", "nowhere.py"], "no case file"),
-        (["check"], "check FILE"),
-        (["show"], "CASE"),
-        (["show", "disc_on_lime"], "disc_on_line"),
-        (["show", "disc_on_line", "mew=0.3"], "mu"),
-        (["show", "disc_on_line", "mu=slippery"], "parameter=number"),
-        (["show", "disc_on_line", "--colour"], "--colour"),
-        (["show", "disc_on_line", "--out"], "--out"),
-        (["export", "disc_on_line", "mu=-1"], "zero"),
-    ],
-)
-def test_a_mistake_on_the_command_line_gives_one_line(desk, capsys, words, says):
-    assert says in refused(capsys, *words)
-
-
-@pytest.mark.parametrize(
     ("before", "after", "line", "says"),
     [
         ("domain=(-3, 3)", "domain=(3, -3)", True, "smaller number first"),

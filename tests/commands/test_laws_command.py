@@ -5,9 +5,6 @@ from __future__ import annotations
 import pytest
 
 from adapters.laws.__main__ import main
-from adapters.lookup import find
-from cases import BadValue, UnknownName
-from tests.sampling import quick_every
 
 ADAPTER = '''
 """A formula for a disc that slides on a level line; its torque is {torque} of what it should be."""
@@ -76,40 +73,6 @@ def test_right_adapter_of_somebody_else_keeps_the_law(adapter_file, capsys):
 def test_wrong_adapter_of_somebody_else_is_told_which_law_and_by_how_much(adapter_file, capsys):
     assert main([adapter_file(0.9), "--law", "friction_torque"]) == 1
     assert "friction_torque: broken: friction torque: the spin of a sliding disc is off by" in capsys.readouterr().out
-
-
-@quick_every(3)
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["exudin"], "there is no adapter, Python file or module 'exudin'; choose from"),
-        (["no_such.module"], "there is no adapter, Python file or module 'no_such.module'"),
-        (["nowhere.py"], "there is no adapter file 'nowhere.py'"),
-        (["FILE", "--law", "friction_torqe"], "there is no law 'friction_torqe'; did you mean friction_torque or"),
-        (["FILE", "--route", "assisted"], "there is no route of formula 'assisted'; choose from native"),
-        (["json"], "json is not an adapter: it lacks NAME, routes,"),
-        (["."], "the adapter . fails while it is imported: TypeError: "),
-        ([], "the following arguments are required: ADAPTER; see"),
-        (["FILE", "--rout", "native"], "there is no option '--rout'; choose from --help, --law, --route"),
-    ],
-)
-def test_what_is_not_known_is_one_sentence_and_status_2(words, sentence, adapter_file, capsys):
-    words = [adapter_file(1.0) if word == "FILE" else word for word in words]
-    assert main(words) == 2
-    output = capsys.readouterr()
-    assert output.err.startswith(f"adapters.laws: {sentence}") and output.err.count("\n") == 1 and not output.out
-
-
-def test_file_that_fails_or_is_no_adapter_is_refused(tmp_path):
-    broken = tmp_path / "broken.py"
-    broken.write_text("1 / 0\n")
-    with pytest.raises(BadValue, match="broken.py fails: ZeroDivisionError"):
-        find(str(broken))
-    (tmp_path / "empty.py").write_text("NAME = 'empty'\n")
-    with pytest.raises(BadValue, match="it lacks routes, refuses, ladder, build, run, read, version"):
-        find(str(tmp_path / "empty.py"))
-    with pytest.raises(UnknownName):
-        find(str(tmp_path / "none.py"))
 
 
 def test_engine_that_is_not_installed_says_so(tmp_path, capsys):

@@ -9,7 +9,6 @@ from scipy.integrate import quad, solve_ivp
 import cases
 import reference
 from cases import (
-    BadValue,
     Belt,
     Case,
     CoulombFriction,
@@ -169,11 +168,6 @@ def test_a_start_on_a_flat_side_is_the_pose_that_it_looks_like():
     falling = on(library.line(), BOX, Flight(), start=Start(0.0, gap=0.3, gap_rate=-1.0, omega=2.0))
     begin = falling.start.motion(falling.track, falling.plate.outline)
     assert (begin.x, begin.y, begin.vy) == pytest.approx((0.0, 0.4, -1.0), abs=1e-15)
-
-
-def test_a_flat_start_that_turns_is_rejected():
-    with pytest.raises(BadValue, match="a plate that lies on a flat side does not turn; give omega=0"):
-        on(library.line(), BOX, start=Start(0.0, omega=1.0))
 
 
 # --- what is not supported --------------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ import pytest
 import reference
 from cases import (
     Case,
-    CaseError,
     Chain,
     ContactEffect,
     ContactForce,
@@ -183,19 +182,6 @@ def test_plates_without_an_impact_run_until_they_meet():
     motion = reference.simulate(case)
     assert motion.status == "landing" and "The plate 'ball' meets the plate 'plate'" in motion.reason
     assert motion.t[-1] == pytest.approx(sqrt(0.8 / G), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("pairs", "words"),
-    [
-        ([Pair("plate/track", ())], "give a tuple such as"),
-        ((Pair("disc/plate", ()),), "there is no pair of the case 'disc/plate'"),
-        ((Pair("plate/track", ()),), "give its effects as those of the case"),
-    ],
-)
-def test_pairs_that_a_case_does_not_have_are_rejected(pairs, words):
-    with pytest.raises(CaseError, match=words):
-        Case(line(), BOX, INELASTIC, StartPose(0.0, 0.05), 1.0, pairs=pairs)
 
 
 @dataclass(frozen=True)

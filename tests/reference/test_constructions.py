@@ -8,14 +8,13 @@ import sympy as sp
 from scipy.special import ellipeinc, ellipkinc, erf, fresnel
 
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, NotSupported, Plate, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Gravity, NotSupported, Plate, Start, Unilateral, disc
 from cases.constructions import natural, piecewise, polar
 from cases.curves import cos, exp, integral, sin
 from cases.library import line
 from tests.scenes import second as second_states
 
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
-AIR = (*GRIP, Flight(), Impact(0.3))
 
 
 def agree(case, bound=1e-11):

@@ -11,7 +11,6 @@ from cases import (
     CoulombFriction,
     Gravity,
     Load,
-    Mode,
     PerfectlyRough,
     Plate,
     RollingResistance,
@@ -34,7 +33,6 @@ from tests.sampling import quick_every
 # All three are a few dozen operations on numbers of one size.
 ROUNDING = 1e-11
 TABLE = Chain.polyline([(-1, 0), (0, 0), (0, -1)])
-SLIPS = {Mode.SLIP_FORWARD: 1, Mode.SLIP_BACKWARD: -1, Mode.ROLL: 0, Mode.REST: 0, Mode.SLIDE: None}
 
 
 def on(track, plate, *effects, **start):

@@ -7,7 +7,6 @@ import pytest
 
 import cases
 import reference
-from cases import UnknownName
 
 pytest.importorskip("heyoka")  # the bars are those of motions by the Taylor method
 G = 9.81
@@ -67,8 +66,3 @@ def test_no_derivative_where_the_sequence_changes():
         reference.derivatives(cases.load("touching_slip", above=0.0), "above")
     with pytest.raises(reference.NoDerivative, match="mu"):  # a negative coefficient is none
         reference.derivatives(cases.load("rebound_with_spin", e=1.0, mu=0.0), "mu")
-
-
-def test_an_unknown_parameter_is_named():
-    with pytest.raises(UnknownName, match=r"mu"):
-        reference.derivatives(cases.load("disc_on_line"), "nu")

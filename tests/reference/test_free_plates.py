@@ -1,6 +1,5 @@
 """Several free plates: exact motions, invariance, and both formulations in the whole sequence."""
 
-from dataclasses import replace
 from math import cos, inf, pi, sin, sqrt
 
 import pytest
@@ -10,19 +9,15 @@ from scipy.optimize import brentq
 import reference
 from adapters.interface import refusal
 from cases import (
-    BadValue,
     Case,
     CoulombFriction,
-    DoesNotFit,
     Flight,
     FreePlate,
     Gravity,
     Impact,
     Mode,
-    NotSupported,
     StartPose,
     Unilateral,
-    UnknownName,
     disc,
 )
 from cases.library import line
@@ -154,33 +149,7 @@ def test_a_motion_of_several_plates_is_certified():
 # --- invalid cases ----------------------------------------------------------------------------------------------------
 
 
-def test_invalid_cases_are_rejected_in_a_sentence():
-    good = on_top()
-    upper = good.others[0]
-    heavy = replace(upper, plate=disc(0.4, 1.0, inf), start=replace(upper.start, omega=1.0))
-    for change, kind, text in (
-        (dict(others=upper), BadValue, "give a tuple"),
-        (dict(others=(upper, upper)), BadValue, "have the name 'disc2'"),
-        (dict(others=(replace(upper, start=StartPose(0.0, 1.0)),)), DoesNotFit, "disc2/plate overlap by"),
-        (dict(others=(heavy,)), BadValue, "omega=0"),
-        (dict(effects=tuple(e for e in good.effects if not isinstance(e, Flight | Impact))), BadValue, "add Flight"),
-    ):  # fmt: skip
-        with pytest.raises(kind, match=text):
-            replace(good, **change)
-    with pytest.raises(BadValue, match="is the case's plate"):
-        FreePlate(disc(0.1, 1.0), StartPose(0.0, 0.0), "plate")
-    with pytest.raises(NotSupported, match="one plate"):
-        reference.simulate(good, method="augmented")
-
-
 def test_several_plates_are_rejected_in_a_sentence():
     from adapters import exudyn
 
     assert refusal(exudyn, on_top(), "integrator") == "The integrator route does not support several plates (others)."
-    with pytest.raises(BadValue, match="a film shows one plate"):
-        reference.simulate(on_top(duration=0.01)).animate()
-
-
-def test_the_motion_of_a_plate_that_is_not_there():
-    with pytest.raises(UnknownName, match="disc2"):
-        reference.simulate(on_top(duration=0.01)).plate("disc3")

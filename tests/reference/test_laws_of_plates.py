@@ -170,13 +170,6 @@ def test_drag_by_the_square_root_of_a_square_begins_at_rest():
 
 # --- random scenes ----------------------------------------------------------------------------------------------------
 
-# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one; impacts
-# within roundings of the end, and flights after them; a disc that leaves another one where the event's force is 6e-11
-# N; a disc as high as the block that it hits, at the joint of a side and a corner (2474928891); a low hop just after
-# others came to rest (2474928900).
-ONCE_WRONG = [17, 14, 55, 2474928891]
-MORE = [pytest.param(s, marks=pytest.mark.slow) for s in (11, 51, 71, 75, 80, 85, 101, 107, 112, 137, 2474928900)]
-
 
 def _of_mass(case: Case, unit: float) -> Case:
     """The same scene with all masses multiplied."""

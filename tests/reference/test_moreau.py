@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import cases
 import reference
-from cases import BadValue, Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Plate, Start, Unilateral
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Plate, Start, Unilateral
 from cases import RollingResistance as Resistance
 from cases.contact import start_motion
 from cases.library import ellipse, line
@@ -196,8 +196,3 @@ def test_a_restitution_that_creates_energy_goes_on_as_engines_do():
         "completed",
         "completed",
     )
-
-
-def test_another_name_of_a_law_is_refused():
-    with pytest.raises(BadValue, match="moreau"):
-        Impact(0.5, "hertz")

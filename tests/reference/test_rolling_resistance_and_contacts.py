@@ -15,7 +15,6 @@ from cases import (
     Impact,
     Load,
     Mode,
-    Plate,
     RollingResistance,
     StartPose,
     Support,
@@ -152,10 +151,3 @@ def test_a_disc_between_belt_and_wall_begins_to_turn_where_the_wall_is_no_longer
 # --- plates with corners ----------------------------------------------------------------------------------------------
 
 WALL = Support(line(pi / 2), "wall")
-MORE = (0.1, 0.0, 0.005), (0.1, 0.3, 0.03), (0.5, 0.3, 0.005)
-# A block that lands on a corner and then on its side, on an incline; one that slides against a wall; a half disc.
-CORNERS = {
-    "incline": (line(-0.2), Plate.rectangle(1.0, 0.6, 1.0), StartPose(0.0, 0.9, 0.3, omega=1.0), ()),
-    "wall": (line(), Plate.rectangle(1.0, 0.6, 1.0), StartPose(2.0, 0.9, 0.3, vx=-2.0, omega=1.0), (WALL,)),
-    "half disc": (line(-0.1), Plate.half_disc(0.5, 1.0), StartPose(0.0, 0.9, 0.3, omega=1.0), ()),
-}

@@ -15,12 +15,6 @@ def test_a_sub_command_is_its_module(capsys):
     assert "disc_in_circle" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", cli.GONE)
-def test_a_command_that_is_gone_says_what_to_type(name, capsys):
-    assert cli.main([name, "bash"]) == 2
-    assert capsys.readouterr().err == f"slip-to-roll: {name} is gone; {cli.GONE[name]}\n"
-
-
 def test_help_names_every_command(capsys):
     assert cli.main([]) == 0
     output = capsys.readouterr().out

@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import cases
-from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.files.command_line import status
-from cases.library import line
 from reports import animate, build, cli, deposit, options, show, sweep
 
 ROOT = Path(__file__).parents[2]
@@ -51,39 +48,6 @@ def test_an_option_means_the_same_in_every_command():
 
 
 # --- cases made by hand -----------------------------------------------------------------------------------------------
-
-EFFECTS = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
-
-
-def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
-    values = dict(track=line(), plate=disc(0.1, 1.0), effects=EFFECTS, start=Start(0.0, slip=1.0), duration=0.5)
-    return cases.Case(**values | changes, name=name)
-
-
-@pytest.mark.parametrize(
-    "given, more, hint",
-    [
-        ([], {}, "there is no case"),
-        ([by_hand(), by_hand()], {}, "give each a different name="),
-        (["disc_on_line"], {}, "give a Case"),
-        ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
-        ([by_hand()], dict(effort="some"), "quick"),
-        ([by_hand()], dict(jobs=0), "from 1 to"),
-        ([by_hand()], dict(out="."), "inside it"),
-        ([by_hand()], dict(out="out\udcff"), "no path here"),
-        ([by_hand()], dict(out=""), "is empty"),
-        ([by_hand()], dict(store=""), "is empty"),
-        ([by_hand()], dict(store="."), "--store"),
-        ([by_hand()], dict(out="out", store=Path.cwd().anchor), "--store"),
-        ([by_hand()], dict(jobs="1_0"), "give a whole number from 1 to"),
-    ],
-)
-def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, more, hint, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(CaseError, match=hint):
-        build.report(given, **more)
-    assert list(tmp_path.iterdir()) == []
-
 
 SCRIPT = """
 from cases import Case, CoulombFriction, Gravity, Start, Unilateral, disc

@@ -17,10 +17,6 @@ from tests.taylor.conftest import default_method  # noqa: F401 - a fixture
 from .. import fake_adapter
 from .identical import identical
 
-# Answers of this process are compared with those of another one to the last digit.
-ROOT = Path(__file__).parents[2]
-VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
-
 
 def setting_of(file: Path) -> str:
     """How the fake engine was to run, by the key of what is kept."""

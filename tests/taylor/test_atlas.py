@@ -31,17 +31,6 @@ CHAOTIC = ("touching_slip[above=0]", "balanced_on_its_tip[duration=6]")
 # m/s, 30 units in the last place of the inputs; Taylor: by heyoka's version) can be one that all neighbours share.
 FLAGGED = CHAOTIC[1:]
 
-# What the second formulation cannot say, and why: among others, it has no floor under Painlevé's number.
-SECOND_CANNOT = {
-    "almost_rolling[slip=1e-17]": "takes a slip below its speeds' rounding for one, and ends it at time zero",
-    "almost_rolling[slip=-1e-17]": "takes a slip below its speeds' rounding for one, and ends it at time zero",
-    "nearly_conforming[gap=1e-08]": "takes half a minute: its steps meet rounding",
-    "rod_into_the_paradox[mu=2]": "steps into the singularity and raises FloatingPointError",
-    "rod_into_the_paradox[mu=5]": "steps into the singularity for minutes",
-    "rod_into_the_paradox[mu=10]": "steps into the singularity for minutes",
-}
-
-
 # Their equations take ten seconds to derive, or their tracks have to be searched for second contacts.
 TAKE_THEIR_TIME = ("flat_sided", "over_inflections", "released_at_an_inflection", "tightest_fit")
 
@@ -63,10 +52,6 @@ def motion_of(label: str, method: str | None = None):
         return reference.simulate(
             cases.load(label), rtol=FINEST.get(method or reference.METHODS[0], 1e-14), method=method
         )
-
-
-def kinds(transitions):
-    return [(t.before, t.after) for t in transitions]
 
 
 @lru_cache(maxsize=64)
@@ -102,10 +87,6 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
     if case.label not in CHAOTIC:
         condition = sensitivity.conditioning(case, motion).dimensionless
         assert found.energy <= 1e-12 + 1e2 * np.finfo(float).eps * min(condition, 1e9)
-
-
-# The second formulation takes longest at these: the slow tests compare it, the other quick tests have these scenes too.
-LONGEST = {"rocking_to_rest[duration=20]", "many_swings[mu=1]"}
 
 
 @quick_every(4, first=1)

@@ -11,10 +11,8 @@ from cases import (
     Case,
     Chain,
     CoulombFriction,
-    Curve,
     Gravity,
     Mode,
-    NotSupported,
     PerfectlyRough,
     Plate,
     Start,
@@ -22,7 +20,6 @@ from cases import (
     disc,
     library,
 )
-from cases.constructions import piecewise
 from tests.scenes.agreement import unlike_second
 
 G, R = 9.81, 0.1
@@ -177,16 +174,3 @@ def test_motions_end_where_one_contact_does(case, status):
     assert motion.status == status
     if status == "second_contact":
         assert motion.t[-1] == pytest.approx((0.5 - R) / (2.0 * R), rel=EXACT)
-
-
-def test_the_papers_matrix_refuses_jumps_of_curvature():
-    level, arc = Curve(("s", "0"), (0, 1)), Curve(("1 + sin(s)", "1 - cos(s)"), (0, 1))
-    ramp = Case(piecewise([level, arc]), disc(R, 1.0), (Gravity(9.81), Unilateral()), Start(0.5, slip=1.0), 0.5)
-    with pytest.raises(NotSupported, match="no jumps of curvature"):
-        reference.simulate(ramp, method="augmented")
-
-
-def test_what_corners_do_not_have_is_rejected():
-    case = on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5)
-    with pytest.raises(NotSupported, match="does not integrate over corners"):
-        reference.simulate(case, method="augmented")

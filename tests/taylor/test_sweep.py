@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 import cases
 import reference
 from cases import (
-    BadValue,
     Case,
     CaseError,
     ContactEffect,
@@ -254,8 +253,6 @@ def test_a_sweep_draws_its_map():
     assert rows[rows.mu > 0.0].plot_map("energy_end", ax=Figure().subplots()).get_xlabel() == "mu"
     with pytest.raises(UnknownName, match="energy_end"):
         rows.plot_map("energy")
-    with pytest.raises(BadValue, match="two parameters"):
-        reference.sweep("disc_on_incline", mu=np.array([0.1, 0.2])).plot_map()
 
 
 def test_a_sweep_is_a_grid_of_xarray():

@@ -1,18 +1,28 @@
-"""Invalid input is rejected in one sentence that says what to write instead, before anything runs.
+"""Invalid input is rejected in one sentence that says what to write instead, before anything runs or is written.
 
-The scenes that a limit excludes are rows of `test_limits`; numbers of all types are in `test_numbers`, what is typed on
-command lines is in `test_commands` and in `tests/fuzz`.
+A row is a call or a command line, and a part of its sentence. Tested elsewhere: the scenes that a limit excludes
+(`test_limits`), numbers of all types (`test_numbers`), mistakes inside files, which are tested with the command that
+reads them, and drawn input (`tests/fuzz`).
 """
 
-from dataclasses import dataclass
+import os
+import shlex
+import sys
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from math import atan, inf, nan, pi
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import sympy as sp
 
+import adapters
 import cases
 import reference
+from adapters import lookup
+from adapters.common import motion_table
 from cases import (
     BadCurve,
     BadValue,
@@ -28,11 +38,13 @@ from cases import (
     Drive,
     EndCondition,
     Flight,
+    FreePlate,
     Gravity,
     Impact,
     Load,
     NotSupported,
     Outline,
+    Pair,
     PerfectlyRough,
     Plate,
     RollingResistance,
@@ -44,16 +56,21 @@ from cases import (
     Unilateral,
     UnknownName,
     arc,
+    block,
     contact,
     disc,
     fit_friction,
     fit_waves,
     library,
+    registry,
 )
 from cases import curves as c
+from cases.commands import TEMPLATE
 from cases.constructions import natural, piecewise
 from cases.library import circle, ellipse, line
 from reference.paper.application import slip_end
+from reports import build, cli, options, studies
+from tests.fuzz.harness import told_by
 
 G, ROUGH = Gravity(9.81), (Gravity(9.81), CoulombFriction(0.2), Unilateral())
 FREE = (*ROUGH, Flight(), Impact(0.0, "moreau"))
@@ -63,6 +80,8 @@ DISC, CIRCLE, LEVEL = disc(0.5, 2.0), circle(1.0), Curve(("s", "0.0"), (0, 1))
 POINTS = np.column_stack([np.linspace(-3.0, 3.0, 20), np.cos(np.linspace(-6.0, 6.0, 20))])
 REST = Trajectory(t=np.array([0.0, 1.0]), **dict.fromkeys(State._fields, np.zeros(2)))
 STRIBECK, U = "0.1 + 0.1*exp(-v/0.05)", sp.Symbol("u")
+BOX, ROD = Plate.rectangle(0.2, 0.1, 1.0), Plate.rectangle(1.0, 0.02, 1.0)
+BEND, EDGE = Curve(("1 + sin(s)", "1 - cos(s)"), (0, 1)), Chain.polyline([(0, 0), (1, 0), (1, -1)])
 
 
 def level(*effects, plate=DISC, **start) -> Case:
@@ -84,6 +103,24 @@ def prove(case: Case) -> object:
 
 def sweep(**how) -> object:
     return reference.sweep_chunks("disc_in_circle", **how)
+
+
+def augmented(case: Case) -> object:
+    return reference.simulate(case, method="augmented")
+
+
+def stacked(*others, effects=FREE, pairs=()) -> Case:
+    """A disc on the floor, with further plates."""
+    return Case(line(), DISC, effects, StartPose(0.0, 0.5), 1.0, others=others, pairs=pairs)
+
+
+def upper(name="upper", plate=DISC, **pose) -> FreePlate:
+    return FreePlate(plate, StartPose(**{"x": 0.0, "y": 1.5} | pose), name)
+
+
+def by_hand(**how) -> object:
+    """A report of a case made by hand."""
+    return build.report(how.pop("given", [replace(level(*ROUGH), name="by_hand")]), **how)
 
 
 class Sandpaper(PerfectlyRough):
@@ -122,8 +159,8 @@ class Failing(ContactEffect):
 
 
 TWICE = EndCondition("ended", "1 - t", "Time."), EndCondition("ended", "1 - slip", "Slip.")
-# What is called, and a part of the sentence.
-ROWS = {
+# What is called, and a part of the sentence, by the type of the error.
+CALLS = {
     BadValue: [
         *((lambda when=when: REST(when), "") for when in ("0.1", True, [False], b"0", None, 1j, [[0.1]], nan, "nan")),
         *((lambda when=when: REST(when), "") for when in (2.0, [0.5, -1e-9])),
@@ -281,6 +318,38 @@ ROWS = {
         ),
         *((lambda a=a: slip_end(*a), "give 0 <= release") for a in ((0.1, -0.1), (0.1, 1.6), (0.0, 0.0), (0.1, 0, 0))),
         (lambda: slip_end(0.1, atan(1 / 0.3) + 1e-9), "release it higher"),
+        (lambda: reference.sweep("disc_on_incline", mu=np.array([0.1, 0.2])).plot_map(), "two parameters"),
+        # Several plates.
+        (lambda: replace(stacked(), others=upper()), "give a tuple"),
+        (lambda: stacked(upper(), upper()), "have the name 'upper'"),
+        (lambda: stacked(upper(plate=disc(0.5, 1.0, inf), omega=1.0)), "omega=0"),
+        (lambda: stacked(upper(), effects=ROUGH), "add Flight"),
+        (lambda: upper("plate"), "is the case's plate"),
+        (lambda: stacked(pairs=[Pair("plate/track", ())]), "give a tuple such as"),
+        (lambda: reference.simulate(cases.load("disc_on_free_disc")).animate(), "a film shows one plate"),
+        (lambda: motion_table.parse("t,x,x of upper,x of upper\n0,0,0,0\n", "m.csv"), "2 columns x of upper"),
+        # Blocks.
+        (lambda: level(G, plate=BOX, omega=1.0), "a plate that lies on a flat side does not turn; give omega=0"),
+        (lambda: block(0.0, 1.0, 1.0), "of the block"),
+        (lambda: block(1.0, -1.0, 1.0), "of the block"),
+        # Executables and adapters of an author's own.
+        *(
+            (lambda text=text: options.points_of(text), "give a " + words)
+            for text, words in (
+                *((text, "whole number from 2 to 100000") for text in ("1", "0", "-5", "2.5", "100001", "many")),
+                ("9" * 400, "finite number"),
+            )
+        ),
+        (lambda: lookup.register(Path("taken")), "chmod"),
+        (lambda: lookup.register(Path("pymunk")), "of its own"),
+        (lambda: lookup.register(Path("two words")), "of its own"),
+        (lambda: lookup.find("fails.py"), "fails.py fails: ZeroDivisionError"),
+        (lambda: lookup.find("empty.py"), "it lacks routes, refuses, ladder, build, run, read, version"),
+        *(
+            (lambda name=name: studies.study(name), f"in a clone type: python -m tests.benchmarks {name}")
+            for name in studies.MOVED
+        ),
+        (lambda: studies.study("maps"), "maps is a sweep; type: python -m reports.sweep disc_in_circle"),
     ],
     DoesNotFit: [
         (lambda: in_circle(r=1.5), "smaller plate"),
@@ -300,6 +369,14 @@ ROWS = {
         (
             lambda: supported(Support(line(pi / 2), "wall", (RollingResistance(0.01),)), effects=(G, Unilateral())),
             "roll",
+        ),
+        (lambda: stacked(upper(y=1.0)), "upper/plate overlap by"),
+        *(
+            (
+                lambda wall=wall: Case(line(), ROD, FREE, StartPose(0.0, 1.0), 1.0, supports=(Support(wall, "wall"),)),
+                "overlaps support 'wall'",
+            )
+            for wall in (library.hill(1.0), Curve(("s", "2*s**2 + 0.8"), (-2, 2)))
         ),
     ],
     BadCurve: [
@@ -340,11 +417,19 @@ ROWS = {
         (lambda: sweep(nu="0:1:3"), "there is no parameter of disc_in_circle 'nu'"),
         (lambda: sweep(mu="0.1:0.5", sample="grit"), "there is no sampling 'grit'"),
         (lambda: reference.simulate(in_circle(), method="augmentd"), "augmented"),
+        (lambda: reference.derivatives(cases.load("disc_on_line"), "nu"), "mu"),
+        (lambda: cases.load("none.py:on_a_table"), "no case file"),
+        (lambda: adapters.engine("exudin"), "choose from"),
+        (lambda: lookup.find("none.py"), "none.py"),
+        (lambda: REST.plate("disc3"), "disc3"),
     ],
     NotSupported: [
         (lambda: Outline.polygon(SQUARE).jet(0.0), "smooth curve"),
         (lambda: Curve.spline(POINTS).expression, "no single formula"),
-        (lambda: reference.simulate(cases.load("ladder_at_wall"), method="augmented"), "has one contact"),
+        (lambda: augmented(cases.load("ladder_at_wall")), "has one contact"),
+        (lambda: augmented(cases.load("disc_on_free_disc")), "one plate"),
+        (lambda: augmented(Case(piecewise([LEVEL, BEND]), disc(0.1, 1.0), ROUGH, Start(0.5), 1.0)), "no jumps of curv"),
+        (lambda: augmented(Case(EDGE, disc(0.1, 1.0), ROUGH, Start(0.5), 1.0)), "does not integrate over corners"),
         (lambda: prove(level(*ROUGH, Pull("0.1"))), "has Pull, which proofs do not cover"),
         (lambda: prove(level(G, CoulombFriction(STRIBECK), Unilateral())), "depends on the slip velocity"),
         (lambda: prove(cases.load("bouncing_disc", e=0.5)), "begins in flight"),
@@ -355,14 +440,224 @@ ROWS = {
         (lambda: Curve(("s", "sin(5e3*s)"), domain=(-1.0, 1.0)), "give a shorter"),
         (lambda: Curve(("cos(1e6*s)", "sin(1e6*s)"), domain=(-1.0, 1.0), may_cross=True), "give a shorter"),
         (lambda: Curve(("s", "s**2"), domain=(1.0, 1.0 + 1e-14)), "give a wider"),
+        (lambda: stacked(pairs=(Pair("disc/plate", ()),)), "there is no pair of the case 'disc/plate'"),
+        (lambda: stacked(pairs=(Pair("plate/track", ()),)), "give its effects as those of the case"),
+        # Reports of cases made by hand.
+        (lambda: by_hand(given=[]), "there is no case"),
+        (lambda: by_hand(given=2 * [replace(level(*ROUGH), name="by_hand")]), "give each a different name="),
+        (lambda: by_hand(given=["disc_on_line"]), "give a Case"),
+        (lambda: by_hand(solvers=["pymonk"]), "pymunk"),
+        (lambda: by_hand(effort="some"), "quick"),
+        *((lambda jobs=jobs: by_hand(jobs=jobs), "from 1 to") for jobs in (0, "1_0")),
+        *(
+            (lambda out=out: by_hand(out=out), words)
+            for out, words in {".": "inside it", "out\udcff": "no path here", "": "is empty"}.items()
+        ),
+        *(
+            (lambda store=store: by_hand(out="out", store=store), words)
+            for store, words in {"": "is empty", ".": "--store", Path.cwd().anchor: "--store"}.items()
+        ),
     ],
+}  # fmt: skip
+
+
+class Rejected(Exception):
+    """What a command that ended with status 2 printed."""
+
+
+def command(line: str) -> None:
+    """Run `slip-to-roll` with the words of the line; raises Rejected if they are."""
+    status, output, text = told_by(cli.main, shlex.split(line))
+    assert (status, output) == (2, "") and text.endswith("\n"), text
+    raise Rejected(text[:-1])
+
+
+LABEL = "disc_on_line[mu=0.1]"
+RUNS = "case,solver,route,setting,outcome,off,off_doubt\n{},exudyn,native,h,answered,0.1,0\n"
+FILES = {
+    "broken.py": "from cases import case\n\n\n@case\ndef broken_case():\n    return 1 / 0\n",
+    "bowls.py": TEMPLATE.format(name="bowl") + "\n\n@case\ndef other_bowl():\n    return bowl(mu=0.2)\n",
+    "own": "#!/bin/sh\n",
+    "pymunk": "#!/bin/sh\n",
+    "two words": "#!/bin/sh\n",
+    "fails.py": "1 / 0\n",
+    "empty.py": "NAME = 'empty'\n",
+    "formula.py": "".join(
+        f"def {name}(*_):\n    return None\n" for name in "refuses ladder build run read version".split()
+    )
+    + "NAME, routes = 'formula', ('native',)\n",
+    "taken": "precious",
+    "mine/letter.txt": "dear friend",
+    "old/manifest.json": '{"format": 2}',
+    "old/tables/trajectories.csv": RUNS.format("a"),
+    "new/tables/trajectories.csv": RUNS.format("b"),
 }
-CALLS = [(kind, call, words) for kind, rows in ROWS.items() for call, words in rows]
+VARY = "sweep disc_in_circle --vary mu=0:1:3"
+LINES = [
+    ("repot", "did you mean report?"),
+    ("release", "did you mean release"),
+    ("report --case disc_in_circel", "disc_in_circle"),
+    ("report --case disc_in_circle[mu=nan]", "finite"),
+    ("report --case disc_in_circle[m=-1]", "greater than zero"),
+    ("report --case disc_in_circle[mass=1]", "parameter"),
+    ("report --case disc_in_circle[mu]", "parameter=number"),
+    ("report --case disc_in_circle[r=2]", "smaller plate"),
+    ("report --case", "expected at least one"),
+    ("report --case-file nowhere.py", "nowhere.py"),
+    ("report --case-file broken.py", "ZeroDivisionError"),
+    ("report --solver exudin", "exudyn"),
+    ("report --solvr exudyn", "--solver"),
+    ("report --jobs many", "whole number"),
+    ("report --jobs 0", "from 1 to"),
+    ("report --jobs=--", "has no value but --"),
+    ("report --case-file=--", "has no value but --"),
+    ("report --quick --full", "not allowed with"),
+    ("report --out .", "inside it"),
+    ("report --out taken", "which is a file"),
+    ("report --out mine", "holds letter.txt and is no report; give another folder"),
+    ("report --store a/b --out a", "not inside each other"),
+    ("report --store taken", "which is a file"),
+    pytest.param("report --out /proc/report", "cannot be written to", marks=pytest.mark.skipif(
+        sys.platform != "linux", reason="no /proc")),  # there everybody may write, says the system, and nobody can
+    ("report --engine ./own --dask local", "give one of the two"),
+    ("report --points 3", "--points is for executables"),
+    (f"report --case {LABEL} --trajectory mine", "give --trajectory NAME=FILE.csv"),
+    (f"report --case {LABEL} --trajectory =mine.csv", "give --trajectory NAME=FILE.csv"),
+    (f"report --case {LABEL} --trajectory reference=mine.csv", "takes the name of the solver reference"),
+    (f"report --case {LABEL} --trajectory mine@disc_on_lien=mine.csv", "no case in this report 'disc_on_lien'"),
+    (f"report --case {LABEL} --trajectory mine=nowhere.csv", "there is no file 'nowhere.csv'"),
+    (f"report --case {LABEL} --trajectory mine=columns.csv", "has no column theta"),
+    (f"report --case {LABEL} --trajectory mine=unsorted.csv", "does not increase"),
+    (f"report --case {LABEL} --trajectory mine=millimetres.csv", "give metres"),
+    ("report --case disc_on_line --trajectory mine=mine.csv", "names no case, and the report has"),
+    ("report --trajectory mine@disc_on_line=mine.csv", "give one of disc_on_line["),
+    ("report study stability a b c", "there is no option 'a'"),
+    ("report study nothing", "nothing"),
+    (f"compare {LABEL} mine.csv --colour", "there is no option '--colour'"),
+    (f"compare {LABEL} nowhere.csv", "nowhere.csv"),
+    (f"compare {LABEL} mine.csv --solver exudyn", "are for the folders of two reports"),
+    (f"compare {LABEL} mine.csv --worse-than 10%", "are for the folders of two reports"),
+    ("compare bowls none.csv", "give one: bowls.py:bowl"),
+    ("compare bowls.py:no_such_case none.csv", "there is no case in bowls.py 'no_such_case'"),
+    ("compare old mine", "contains no report"),
+    ("compare old new --worse-than 10%", "no run in common"),
+    ("compare old old --worse-than ten", "--worse-than is 'ten'; give a share such as 10% or 0.1"),
+    ("compare old old --worse-than -5%", "expected one argument"),
+    ("compare old old --worse-than=-5%", "--worse-than is '-5%'; give a share such as 10% or 0.1"),
+    ("compare old old --worse-than 10% --format yaml", "--format is 'yaml'; give one of text, json, junit"),
+    ("compare old old --worse-than 10% --solver nobody", "has no runs of the solver nobody"),
+    ("compare old old --solver exudyn", "give --solver twice"),
+    ("compare old old --solver exudyn --solver nobody", "has no rows of the solver nobody"),
+    ("gate new", "give --baseline DIR"),
+    ("gate --baseline old nowhere", "contains no report"),
+    ("history", "name an engine, for example pymunk"),
+    ("history pymunk@7.0.0", "give an engine without a version"),
+    ("history reference", "reference has no history of releases"),
+    ("history pymnk", "choose from box2d, exudyn"),
+    ("sweep disc_in_circel --vary mu=0:1:3", "there is no case 'disc_in_circel'"),
+    ("sweep disc_in_circle --vary nu=0:1:3", "there is no parameter of disc_in_circle 'nu'"),
+    ("sweep disc_in_circle --vary mu=1:0:3", "which is empty"),
+    ("sweep disc_in_circle --vary mu", "write --vary parameter=low:high:count"),
+    ("sweep disc_in_circle", "nothing varies"),
+    (f"{VARY} --vary mu=0:1:3", "given twice"),
+    ("sweep disc_in_circle --vary mu=0:1 --sample sobol", "needs the number of scenarios"),
+    (f"{VARY} --refine 0", "--refine is 0; give a number greater than zero"),
+    ("sweep disc_in_circle --vary mu=0.1,0.2 --refine 1e-3", "needs a range to divide"),
+    (f"{VARY} --solver exudin", "there is no solver 'exudin'"),
+    (f"{VARY} --jobs 0", "from 1 to"),
+    (f"{VARY} --out=--", "has no value but --"),
+    (f"{VARY} --rtol much", "give a number"),
+    ("sweep disc_in_circle --vary mu=0:1 --sample random --number 1.5", "--number is 1.5; give a whole"),
+    ("sweep disc_in_circle --vary mu=0:1 --sample random --seed 0.5", "--seed is 0.5"),
+    (f"{VARY} --dask nonsense", "missing port number in address 'nonsense'"),
+    (f"{VARY} --out .", "contains the working folder"),
+    (f"{VARY} --out mine", "holds letter.txt and is no sweep; give another folder"),
+    ("sweep bowls --vary mu=0.1,0.2", "give one: bowls.py:bowl"),
+    ("cases film bowls", "give one: bowls.py:bowl"),
+    ("cases show --case-file no.py x y", "no.py"),
+    ("compare nowhere", "'nowhere' is no folder of motions; give a case and a FILE"),
+    ("release publish mine", "mine holds no report"),
+    ("release deposit mine", "contains no published report"),
+    *((f"{name} bash", f"{name} is gone; {words}") for name, words in cli.GONE.items()),
+    ("laws exudin", "there is no adapter, Python file or module 'exudin'; choose from"),
+    ("laws no_such.module", "there is no adapter, Python file or module 'no_such.module'"),
+    ("laws nowhere.py", "there is no adapter file 'nowhere.py'"),
+    ("laws formula.py --law friction_torqe", "there is no law 'friction_torqe'; did you mean friction_torque or"),
+    ("laws formula.py --route assisted", "there is no route of formula 'assisted'; choose from native"),
+    ("laws json", "json is not an adapter: it lacks NAME, routes,"),
+    ("laws .", "the adapter . fails while it is imported: TypeError: "),
+    ("laws", "the following arguments are required: ADAPTER; see"),
+    ("laws formula.py --rout native", "there is no option '--rout'; choose from --help, --law, --route"),
+    ("cases shwo", "choose from"),
+    ("cases new", "new NAME"),
+    ("cases new 'my valley'", "cannot name a case"),
+    ("cases new class", "cannot name a case"),
+    ("cases new disc_on_line", "already a case"),
+    ("cases check nowhere.py", "no case file"),
+    ("cases check", "check FILE"),
+    ("cases show", "CASE"),
+    ("cases show disc_on_lime", "disc_on_line"),
+    ("cases show disc_on_line mew=0.3", "mu"),
+    ("cases show disc_on_line mu=slippery", "parameter=number"),
+    ("cases show disc_on_line --colour", "--colour"),
+    ("cases show disc_on_line --out", "--out"),
+    ("cases export disc_on_line mu=-1", "zero"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "call", "words"), CALLS, ids=[f"{k.__name__}-{words}" for k, _, words in CALLS])
-def test_invalid_input_is_rejected_in_one_sentence_that_says_what_to_write(kind, call, words):
+@cache
+def texts() -> dict[str, str]:
+    """Files by name: FILES, one with a motion of the case, and such as have none."""
+    exact = reference.simulate(cases.load(LABEL), rtol=1e-12)
+    t = np.linspace(0.0, exact.t[-1], 301)
+    state = exact(t)
+    table = pd.DataFrame({"t": t, "x": state.x, "y": state.y, "theta": state.theta})
+    tables = {
+        "mine.csv": table,
+        "columns.csv": table.drop(columns="theta"),
+        "unsorted.csv": table.iloc[::-1],
+        "millimetres.csv": table.assign(x=1e3 * table.x, y=1e3 * table.y),
+    }
+    return FILES | {name: table.to_csv(index=False) for name, table in tables.items()}
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch) -> Path:
+    """A working folder with those files."""
+    monkeypatch.chdir(tmp_path)
+    cases.names()  # the catalogue is loaded when it is first asked for
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    monkeypatch.setenv(lookup.EXECUTABLES, "")  # and again after the test
+    for name, text in texts().items():
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(text)
+    for name in ("own", "pymunk", "two words"):
+        os.chmod(name, 0o755)
+    return tmp_path
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts}
+
+
+ROWS = [(kind, call, words) for kind, rows in CALLS.items() for call, words in rows]
+LINE_ROWS = [row if hasattr(row, "marks") else pytest.param(*row) for row in LINES]
+
+
+@pytest.mark.parametrize(
+    ("kind", "call", "words"),
+    [
+        *(pytest.param(*row, id=f"{row[0].__name__}-{row[2]}") for row in ROWS),
+        *(
+            pytest.param(Rejected, partial(command, row.values[0]), row.values[1], id=row.values[0], marks=row.marks)
+            for row in LINE_ROWS
+        ),
+    ],
+)
+def test_invalid_input_is_rejected_in_one_sentence_that_says_what_to_write(kind, call, words, desk):
+    before = contents(desk)
     with pytest.raises(kind) as error:
         call()
     text = str(error.value)
-    assert words in text and "\n" not in text and 0 < len(text) < 300
+    assert words in text and "\n" not in text and 0 < len(text) < (600 if kind is Rejected else 300), text
+    assert contents(desk) == before
