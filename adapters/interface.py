@@ -38,10 +38,6 @@ Optional, for the range of errors with default settings:
                                                     as step, facets and stiffness; the first one is the
                                                     ladder's (`Setting.combinations`)
 
-Optional, for the comparison of the ladder with other settings (`reports.study settings`):
-
-    wide_grid(case, route) -> tuple[Setting, ...]   like `grid`, as wide as the ladder, in the same order for all cases
-
 Optional:
 
     KNOWN: str                                      the engine's package and the versions that the adapter was tested
@@ -108,7 +104,7 @@ def has(adapter: Any, route: str, word: str) -> bool:
 
 # The functions of an adapter, with the optional ones.
 FUNCTIONS = {
-    *("refuses", "refuses_several_contacts", "ladder", "default_grid", "grid", "wide_grid"),
+    *("refuses", "refuses_several_contacts", "ladder", "default_grid", "grid"),
     *("build", "run", "read", "version", "bare_run"),
 }
 

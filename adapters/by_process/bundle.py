@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import subprocess
 from functools import lru_cache
-from itertools import product
 from pathlib import Path
 
 from cases import Case
@@ -31,22 +30,6 @@ MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco
 # Engines that run outlines with corners. (The programs of planck.js and Rapier do so alone, with errors of first order;
 # no report has compared them yet.)
 WITH_CORNERS = {"mujoco"}
-# The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
-KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
-    "cannon": {"iterations": (50, 10)},
-    "dartpy": {"solver": ("dantzig", "pgs", "nsgs"), "split_impulse": ("off", "on")},
-    "drake": {"approximation": ("tamsi", "similar", "lagged"), "stiction": (1e-5, 1e-4)},
-    "jolt": {"slop": (1e-6, 1e-4), "iterations": (20, 10)},
-    "matter": {"velocity_iterations": (10, 4)},
-    "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
-    "newton": {"solver": ("xpbd", "semi_implicit", "vbd"), "iterations": (4, 20)},
-    "physx": {"solver": ("pgs", "tgs"), "iterations": (10, 40)},
-    "planck": {"iterations": (8, 20)},
-    "rapier": {"iterations": (16, 4)},
-    "siconos": {"theta": (0.5, 0.75, 1.0)},
-}
-# Steps (s) of that study.
-GRID_STEPS = (4e-3, 2e-3, 1e-3)
 # Time limit (s) for printing the version; importing an engine takes a few seconds where the disk cache is empty.
 MOST_SECONDS = 60.0
 
@@ -95,24 +78,13 @@ class BundledEngine(Engine):
         """Steps from coarse to fine, with as many facets as each step needs; the engine's default settings first."""
         return tuple(self._with_facets(case, setting) for setting in super().ladder(case, route))
 
-    def wide_grid(self, case: Case, route: str) -> tuple[Setting, ...]:
-        """Every combination of three steps, three numbers of facets and the engine's own knobs."""
-        knobs = KNOBS.get(self.NAME, {})
-        curved = track_kind(case) == "chain"
-        shares = (0.25, 1.0, 4.0) if curved else (1.0,)
-        settings = (
-            self._with_facets(case, Setting.of(h=h, **dict(zip(knobs, values, strict=True))), share)
-            for h, share, values in product(GRID_STEPS, shares, product(*knobs.values()))
-        )
-        return tuple(dict.fromkeys(settings))  # at the least and the most facets two shares agree
-
-    def _with_facets(self, case: Case, setting: Setting, share: float = 1.0) -> Setting:
+    def _with_facets(self, case: Case, setting: Setting) -> Setting:
         """The setting with a number of facets, if the track is curved and no whole circle."""
         if track_kind(case) != "chain" or self.NAME in WITHOUT_FACETS:
             return setting
         part, most = stretch(case), MOST_BOXES.get(self.NAME, MOST_FACETS)
         way = part.top_speed * float(setting["h"])
-        count = MODEST if setting.is_default or not way else round(share * part.length / way)
+        count = MODEST if setting.is_default or not way else round(part.length / way)
         return setting.but(facets=min(max(count, MODEST), most))
 
     def version(self) -> str:

@@ -64,7 +64,7 @@ from .system import scales
 
 __all__ = [
     "CAPABILITIES", "MEANINGS", "NAME", "build", "default_grid", "grid", "ladder", "read", "refuses",
-    "refuses_several_contacts", "routes", "run", "version", "wide_grid",
+    "refuses_several_contacts", "routes", "run", "version",
 ]  # fmt: skip
 
 NAME = "exudyn"
@@ -92,9 +92,9 @@ MOST_SAMPLES = 20_000
 # penetration disturbs Newton's method.
 #
 # They lie on the lower envelope of a grid over all three, by the error of the first and of all transitions, in the mean
-# of eight scenes (`reports.study settings` repeats this): for the disc in the circle the first transition is off by
-# 60 s N/m over k and 0.87/s h², so that the two are balanced at k h² = 70 N/m s²; with vreg below a thousandth of the
-# step, in these units, friction oscillates in stick and spurious transitions appear.
+# of eight scenes: for the disc in the circle the first transition is off by 60 s N/m over k and 0.87/s h², so that the
+# two are balanced at k h² = 70 N/m s²; with vreg below a thousandth of the step, in these units, friction oscillates in
+# stick and spurious transitions appear.
 RUNGS = (
     (1e-1, 1e4, 1e-3),
     (6e-2, 1e5, 3e-4),
@@ -223,22 +223,6 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
         return ()
     rungs = (RUNGS[0], RUNGS[2], RUNGS[4])
     return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*rungs, strict=True)))
-
-
-# The grid from which the rungs were chosen, limited to the time of a study; multiples as in RUNGS.
-_WIDE = {
-    "native": ((6e-2, 3e-2, 1.7e-2, 9e-3, 4e-3), (1e5, 1e6, 3e6, 1e7), (3e-4, 3e-5, 1e-5, 3e-6)),
-    "integrator": ((6e-2, 3e-2, 1.7e-2), (1e5, 1e6, 3e6), (3e-4, 3e-5)),
-}
-
-
-def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """All combinations of steps, stiffnesses and regularisations over the ladder's range; none for a constraint."""
-    return (
-        ()
-        if _uses_constraint(case, route)
-        else tuple(_setting(case, route, *knobs) for knobs in product(*_WIDE[route]))
-    )
 
 
 def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: int) -> Setting:

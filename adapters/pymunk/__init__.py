@@ -212,16 +212,6 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
 
 
-def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """Every step of the ladder but the finest, with shapes for four times, one time and a quarter of the step."""
-    if route == "assisted":
-        return grid(case, route)
-    rungs = ladder(case, route)[1:-1]
-    return tuple(
-        rung.but(**native.shape_knobs(case, rung["h"] * share)) for rung in rungs for share in (4.0, 1.0, 0.25)
-    )
-
-
 # --- build, run, read -------------------------------------------------------------------------------------------------
 
 

@@ -99,7 +99,7 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> 
     truths, by_label = find_truths(case_list, calls), {case.label: case for case in case_list}
     cells: list[SettingCell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
-    for table_kind, word in (("ladder", "rung"), ("wide_grid", "grid")):
+    for table_kind, word in (("ladder", "rung"), ("grid", "grid")):
         for (label, name), of_routes in offers(case_list, solvers, calls, table_kind).items():
             case, truth = by_label[label], truths[label]
             for offer in of_routes:
