@@ -12,8 +12,8 @@ import cases
 import reference
 from cases import Mode, Start
 from reports.judging import residuals
-from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.benchmarks import hard_scenes
 from tests.sampling import quick_every
 from tests.scenes.limits import cpu_limit
 
@@ -55,9 +55,9 @@ def motion_of(label: str, method: str | None = None):
 
 
 @lru_cache(maxsize=64)
-def last_bit(label: str) -> sensitivity.Sensitivity:
+def last_bit(label: str) -> hard_scenes.Sensitivity:
     with cpu_limit(PATIENCE):
-        return sensitivity.spread(cases.load(label))
+        return hard_scenes.spread(cases.load(label))
 
 
 # --- every scene ------------------------------------------------------------------------------------------------------
@@ -85,7 +85,7 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
     assert found.tangency <= 1e-12 + rounding * max(1.0, float(np.abs(motion.theta).max()))
     # Energy is as sure as the equations are conditioned, and as the little that moves is of the coordinates' digits.
     if case.label not in CHAOTIC:
-        condition = sensitivity.conditioning(case, motion).dimensionless
+        condition = hard_scenes.conditioning(case, motion).dimensionless
         assert found.energy <= 1e-12 + 1e2 * np.finfo(float).eps * min(condition, 1e9)
 
 

@@ -1,15 +1,19 @@
 """The atlas of hard scenes: outcome and grade of each solver.
 
-Each run also has the residuals that need no truth (energy, gap, tangency, their drifts); each scene the condition
-number of the paper's matrix (27) along the motion, and the effect of one unit in the last place of the inputs: if that
-unit decides the outcome, solvers are not ranked on the scene.
+Each run also has the residuals that need no truth (energy, gap, tangency, their drifts). A scene of the catalogue has
+constants, which no engine changes and which `constants.csv` holds: the condition number of the paper's matrix (27)
+along the motion, and the effect of one unit in the last place of the inputs: if that unit decides the outcome, solvers
+are not ranked on the scene.
 """
 
 from __future__ import annotations
 
+import csv
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
-from math import inf, isfinite, nan
+from functools import cache, partial
+from math import inf, nan
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,8 +36,6 @@ from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
 from ...running.tasks import find_truth, in_catalogue, truth_of
 from ...running.true_motions import true_motion
 from .. import Request
-from . import sensitivity
-from .sensitivity import Conditioning, Sensitivity
 
 TITLE = "Hard scenes"
 QUESTION = (
@@ -67,6 +69,8 @@ TABLES = {
         ),
     ),
 }
+# The constants of the catalogue's hard scenes (`python -m tests.benchmarks.hard_scenes` writes it, in a clone).
+CONSTANTS = Path(__file__).with_name("constants.csv")
 # A slip below this fraction of the motion's speed is rounding for a reading of samples (`slip_phases.ROUNDING`).
 NEGLIGIBLE_SLIP = 1e-9
 # One unit in the last place may move the centre by at most this fraction of its path: beyond it, engines closer to the
@@ -83,6 +87,7 @@ _SAMPLES = 4000
 # which two workers complete all scenes in half a minute.
 _RUNGS = (2,)
 
+_NUMBERS = ("condition", "condition_si", "condition_time", "spread", "spread_time")
 SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
 
 
@@ -96,17 +101,30 @@ class HardScene(NamedTuple):
     truth: Truth
     visible: Truth
     motion: Trajectory | None
-    conditioning: Conditioning
-    spread: Sensitivity
 
-    @property
-    def chaotic(self) -> str:
-        """The reason why solvers are not ranked on this scene, or ""."""
-        if self.spread.sequence:
-            return f"one unit in the last place decides: {self.spread.sequence}"
-        if self.spread.centre > CHAOTIC:
-            return f"one unit in the last place moves the centre by {self.spread.centre:.1e} of its path"
-        return ""
+
+@cache
+def _stored_constants() -> dict[str, dict[str, str]]:
+    with open(CONSTANTS, newline="", encoding="utf-8") as file:
+        return {row["case"]: row for row in csv.DictReader(file)}
+
+
+def constants(case: Case) -> dict[str, Any]:
+    """The constants of a scene of the catalogue: `last_bit`, "" if that unit does not change the sequence of modes, and
+    numbers; NaN where they are not known, as of all other scenes."""
+    stored: Mapping[str, str] = _stored_constants().get(case.label, {}) if in_catalogue(case) else {}
+    numbers = {name: float(stored.get(name) or nan) for name in _NUMBERS}
+    return numbers | {"last_bit": stored.get("last_bit", "")}
+
+
+def chaotic(case: Case) -> str:
+    """The reason why solvers are not ranked on a scene, or ""."""
+    own = constants(case)
+    if own["last_bit"]:
+        return f"one unit in the last place decides: {own['last_bit']}"
+    if own["spread"] > CHAOTIC:
+        return f"one unit in the last place moves the centre by {own['spread']:.1e} of its path"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -168,18 +186,16 @@ def _rungs(full: bool, case: str, solver: str, route: str, settings: tuple[Setti
 
 
 def scene_of(case: Case) -> HardScene:
-    """A case's truth, its condition numbers and the effect of the last bits of its inputs."""
-    spread = sensitivity.spread(case)
+    """A case's truth, and what of it a reading of samples can distinguish."""
     # A hard case of the catalogue without a stored certificate cannot be certified: its witnesses' sequences differ, or
     # one of them stops, sometimes after minutes.
     has_truth = not in_catalogue(case) or case.label in certification.read()
     truth = find_truth(case) if has_truth else Truth(failure="it has no certificate: its witnesses disagree")
-    if truth.failure and not spread.sequence:
+    if truth.failure and not constants(case)["last_bit"]:
         truth = _by_one_formulation(case, truth)
     motion = None if truth.failure else true_motion(case, truth.method)
-    conditioning = sensitivity.conditioning(case, motion) if motion else Conditioning(nan, nan, nan)
     visible = _visible(truth, motion) if motion else truth
-    return HardScene(truth, visible, _sample(motion) if motion else None, conditioning, spread)
+    return HardScene(truth, visible, _sample(motion) if motion else None)
 
 
 def _visible(truth: Truth, motion: Trajectory) -> Truth:
@@ -232,7 +248,7 @@ def _scene(answer: CallResult) -> HardScene:
     if answer.outcome == "done":
         return answer.value
     nothing = Truth(failure=answer.failure[1])
-    return HardScene(nothing, nothing, None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
+    return HardScene(nothing, nothing, None)
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -241,22 +257,21 @@ def _scene(answer: CallResult) -> HardScene:
 def rows(stability: Stability) -> dict[str, list[dict[str, Any]]]:
     """The table: one row per run; no table if nothing was run.
 
-    `centre_error`: largest distance from the truth over the path; `spread`: its change by one unit in the last place of
-    the inputs; `condition`: of (27) in the plate's own units, `condition_si`: in SI units; `witnesses`: number of
-    independent solutions behind the truth.
+    `centre_error`: largest distance from the truth over the path; `witnesses`: number of independent solutions behind
+    the truth.
     """
     if not stability.cases:
         return {}
     extents = {
         c.label: residuals.motion_extent(c, m) for c in stability.cases if (m := stability.scenes[c.label].motion)
     }
-    table_rows = []
+    table_rows, by_label = [], {case.label: case for case in stability.cases}
     for run in stability.runs:
-        scene = stability.scenes[run.case]
+        scene, case = stability.scenes[run.case], by_label[run.case]
         outcome, reason = run.outcome, run.reason
         lacks_truth = outcome == "unsupported" and scene.motion is None and not run.refusal
-        if scene.chaotic and (outcome == "answered" or lacks_truth):
-            outcome, reason = "chaotic", scene.chaotic
+        if (why := chaotic(case)) and (outcome == "answered" or lacks_truth):
+            outcome, reason = "chaotic", why
         elif outcome == "answered" and scene.truth.status == "paradox" != run.status:
             reason = f"{reason}; it continues although rigid contact has no solution there"
         table_rows.append(
@@ -273,21 +288,11 @@ def rows(stability: Stability) -> dict[str, list[dict[str, Any]]]:
                 "first_transition_error": first_error(run),
                 "centre_error": run.distance.centre_max / extents.get(run.case, nan),
                 **run.residuals._asdict(),
-                "condition": _number(scene.conditioning.dimensionless),
-                "condition_si": _number(scene.conditioning.largest),
-                "condition_time": scene.conditioning.when,
-                "spread": _number(scene.spread.centre),
-                "spread_time": _number(scene.spread.time),
-                "last_bit": scene.spread.sequence,
+                **constants(case),
                 "witnesses": len(scene.truth.witnesses),
             }
         )
     return {"stability": table_rows}
-
-
-def _number(value: float) -> float:
-    """The value, or NaN instead of infinity, which another column describes in words."""
-    return value if isfinite(value) else nan
 
 
 def in_words(stability: Stability) -> dict[str, str]:
@@ -299,7 +304,7 @@ def in_words(stability: Stability) -> dict[str, str]:
         entry = cases.entry(case.name) if case.name in cases.names() else None
         runs = [run for (label, solver, _), run in last.items() if label == case.label and solver != REFERENCE]
         about = f"{entry.summary} Hard: {entry.hard}; known: {entry.outcome}. " if entry and entry.hard else ""
-        seen = stability.scenes[case.label].chaotic or "; ".join(map(_seen, runs)) or "no engine ran"
+        seen = chaotic(case) or "; ".join(map(_seen, runs)) or "no engine ran"
         worst = max((run.score.off for run in runs if run.score), default=inf)
         texts[case.label] = -worst, f"{about.replace('`', '')}Seen: {seen}."
     return {label: text for label, (_, text) in sorted(texts.items(), key=lambda item: item[1][0])}

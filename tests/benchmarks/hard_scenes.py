@@ -1,21 +1,28 @@
-"""Sensitivity of a motion: condition number of the paper's matrix, and motions of neighbouring cases."""
+"""`python -m tests.benchmarks.hard_scenes`: the constants of the hard scenes, which no engine changes.
+
+How ill-conditioned the paper's matrix (27) becomes along each motion, and what one unit in the last place of the inputs
+does to it. Writes the file that the study `stability` reads; takes minutes.
+"""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from math import inf, nan
+from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
 
+import cases
 import reference
 from cases import Case, CaseError, Curve, Mode, Trajectory
 from cases.contact import velocity
 from reference.paper.augmented import condition, fill
-
-from ...judging.residuals import looks
+from reports.judging.residuals import looks
+from reports.running.true_motions import true_motion
+from reports.studies.stability.study import CONSTANTS, scene_of
 
 # Number of neighbouring cases (by one unit in the last place): each takes a run of the reference.
 NEIGHBOURS = 4
@@ -143,3 +150,38 @@ def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Sensitiv
     except CaseError as problem:
         return Sensitivity(f"a neighbouring case is rejected: {problem}", inf, inf)
     return largest
+
+
+# --- the file ---------------------------------------------------------------------------------------------------------
+
+
+def row(case: Case) -> dict[str, Any]:
+    """The constants of a scene, in the columns of the file; empty where a number is not known or infinite."""
+    change, scene = spread(case), scene_of(case)
+    values: dict[str, float] = {"spread": change.centre, "spread_time": change.time}
+    motion = None if scene.truth.failure else true_motion(case, scene.truth.method)
+    if motion is not None:
+        found = conditioning(case, motion)
+        values |= {"condition": found.dimensionless, "condition_si": found.largest, "condition_time": found.when}
+    numbers = {name: f"{value:.4g}" if isfinite(value) else "" for name, value in values.items()}
+    return {"case": case.label, "last_bit": change.sequence} | numbers
+
+
+def scenes() -> list[Case]:
+    """All hard cases of the catalogue but those that take minutes: five motions of each are compared."""
+    return [case for name in cases.names(hard=True) for case in cases.select(name)]
+
+
+def main() -> None:
+    """Write the file."""
+    columns = ("case", "last_bit", "condition", "condition_si", "condition_time", "spread", "spread_time")
+    with open(CONSTANTS, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n", restval="")
+        writer.writeheader()
+        for case in scenes():
+            writer.writerow(row(case))
+            file.flush()
+
+
+if __name__ == "__main__":
+    main()
