@@ -218,12 +218,7 @@ WALK = {
             Left(".venv/bin/python -m pytest tests/browser", CLONE),
         )
     ),
-    "paper.md": Page(
-        (
-            Left("python -m tests.benchmarks paper", CLONE),
-            Left("slip-to-roll prove disc_in_circle", "the page of proofs does it"),
-        )
-    ),
+    "paper.md": Page((Left("python -m tests.benchmarks paper", CLONE),)),
     "process_protocol.md": Page(
         (
             Step(
