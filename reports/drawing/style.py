@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import matplotlib
-from matplotlib import colormaps
-from matplotlib.colors import to_hex
 
 from cases.pictures.style import FAINT, STYLE
 
 from .colours import LineStyles
 
-__all__ = ["AREAS", "FAINT", "STYLE", "LineStyles", "ordinal"]
+__all__ = ["AREAS", "FAINT", "STYLE", "LineStyles"]
 
 matplotlib.use("Agg")  # pictures are written to files without opening windows
 
 # Areas of a map, which are no solver's colours: paler than any line. Paul Tol's "light" scheme, for labelled areas.
 AREAS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
-
-
-def ordinal(count: int) -> list[str]:
-    """`count` colours for ordered things that are not solvers, such as coefficients of friction."""
-    # The yellow end is pale on white.
-    return [to_hex(colormaps["cividis"](0.85 * i / max(count - 1, 1))) for i in range(count)]

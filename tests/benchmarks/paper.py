@@ -181,12 +181,21 @@ def rows(findings: Paper) -> dict[str, list[dict[str, Any]]]:
 _FIRST_FIGURE = 3
 
 
+def _ordinal(count: int) -> list[str]:
+    """`count` colours for ordered things that are not solvers, such as coefficients of friction."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    # The yellow end is pale on white.
+    return [to_hex(colormaps["cividis"](0.85 * i / max(count - 1, 1))) for i in range(count)]
+
+
 def diagrams(findings: Paper) -> Figure:
     """Figures 3 to 12, each up to v = 0 as in the paper, and next to it the continued motion."""
     from matplotlib import pyplot as plt
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    from reports.drawing.style import FAINT, STYLE, ordinal
+    from reports.drawing.style import FAINT, STYLE
 
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
@@ -196,7 +205,7 @@ def diagrams(findings: Paper) -> Figure:
             sharex="col",
             layout=ConstrainedLayoutEngine(w_pad=0.1, wspace=0.03),
         )
-        shades = ordinal(len(FIGURE_COEFFICIENTS))
+        shades = _ordinal(len(FIGURE_COEFFICIENTS))
         for i, mu in enumerate(FIGURE_COEFFICIENTS):
             paper, ours, stop, after = findings.curves[mu]
             for row, (name, label) in enumerate(QUANTITIES.items()):
@@ -218,7 +227,7 @@ def remark(findings: Paper) -> Figure:
     """The closing remark as curves over μ₀, with the range in which rolling follows."""
     from matplotlib import pyplot as plt
 
-    from reports.drawing.style import FAINT, STYLE, ordinal
+    from reports.drawing.style import FAINT, STYLE
 
     rows = findings.remark
     mus = np.array([row["mu"] for row in rows])
@@ -230,7 +239,7 @@ def remark(findings: Paper) -> Figure:
             ("xi1", "track angle ξ₁ of the first v = 0 / rad"),
             ("demand", "friction to roll / largest friction"),
         )
-        reverses, follows = reversed(ordinal(2))
+        reverses, follows = reversed(_ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
             values = np.array([row[name] for row in rows])
             for mask, colour, what in (

@@ -8,7 +8,6 @@ import math
 import re
 import shutil
 import zipfile
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -18,9 +17,10 @@ import pytest
 import cases
 from cases.files.owned_folder import LIST, digest
 from cases.version import RELEASED
-from reports import compare_builds, options, publish
+from reports import compare_builds, publish
 from reports.page import report_folder
 from reports.page.manifest import FORMAT
+from tests.benchmarks.golden import write_answers
 
 ROOT = Path(__file__).parent.parent.parent
 LAST = publish.releases()[-1]
@@ -316,26 +316,9 @@ def other_machine() -> str:
 @pytest.fixture(scope="module")
 def rebuilt(tmp_path_factory) -> Path:
     """The accuracy of a default report, made anew by this commit: no timings, no pictures, no studies."""
-    from reports.analysis import table_list
-    from reports.analysis.columns import with_version
-    from reports.analysis.table_list import Results
-    from reports.page.table_files import inert, with_short_numbers
-    from reports.running import experiment
-    from reports.running.calls import Calls
-    from reports.running.progress import Display
-    from reports.running.storage.result_store import Store
-
-    place = tmp_path_factory.mktemp("rebuilt")
+    place = tmp_path_factory.mktemp("rebuilt") / "report"
     every = [case for name in cases.names(hard=False) for case in cases.select(name)]
-    # Named cases would have whole ladders.
-    plan = replace(options.plan_by_hand(every, None, place / "none", "default", 2, None, False), is_selection=False)
-    with Display([]) as display, Calls(plan.jobs, plan.limit, Store(None), display) as calls:
-        ran = experiment.run_cases(plan.cases, plan.solvers, calls, plan.select_rungs)
-    (place / "tables").mkdir()
-    for name, frame in table_list.frames(Results(ran, ran)).items():
-        short = with_short_numbers(inert(with_version(frame, ran.versions)))
-        short.to_csv(place / "tables" / f"{name}.csv", index=False)
-    (place / "manifest.json").write_text(json.dumps({"format": FORMAT}))
+    write_answers(every, place, is_selection=False)  # selected cases would have whole ladders
     return place
 
 

@@ -212,7 +212,7 @@ WALK = {
     "own_effects.md": Page((Left("slip-to-roll laws", "the form of the command on the page of engines"),)),
     "page.md": Page(
         (
-            Left("python -m reports.page.vendor", OF_A_RELEASE),
+            Left("python -m tests.browser.vendor", OF_A_RELEASE),
             Left("apt-get install chromium", "it changes the system; .ci/nightly does where it may"),
             Left("make browser", CLONE),
             Left(".venv/bin/python -m pytest tests/browser", CLONE),
