@@ -37,6 +37,7 @@ from ..curves.curve_pieces import (
 )
 from ..errors import DoesNotFit
 from .geometry import EPS, Contact, find
+from .shapes import guess, shapes
 
 Pose = tuple[float, float, float]
 
@@ -98,10 +99,13 @@ def close_pairs(track: Piece, outline: Piece, pose: Pose, most: float | None = N
     """The pairs of points of two elements with a common normal in a pose, and a smaller gap than next to them, the
     nearest first: all with a gap (m, signed) of at most `most`, or, with None, all that may be the nearest."""
     some, other = pieces_of(track), pieces_of(outline)
-    if isinstance(some, OnePiece) and isinstance(other, OnePiece):  # lines and corners: Newton's method is exact
+    # Of lines and corners Newton's method is exact; of circles, from their middles.
+    is_exact, form = isinstance(some, OnePiece) and isinstance(other, OnePiece), None
+    if is_exact or (form := shapes(track, outline)):
+        middles = 0.5 * sum(track.span), 0.5 * sum(outline.span)
         try:
-            return [find(track, outline, *pose, (0.5 * sum(track.span), 0.5 * sum(outline.span)))]
-        except DoesNotFit:
+            return [find(track, outline, *pose, guess(track, outline, form, *pose) if form else middles)]
+        except DoesNotFit:  # far away, or all points are as near
             return []
     i, j, reach = _roots(some, other, pose)
     best, results = inf, list[Contact]()

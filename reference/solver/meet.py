@@ -15,6 +15,7 @@ import numpy as np
 from cases import Case, DoesNotFit
 from cases.contact.close_pairs import circles_around
 from cases.contact.geometry import clearance, find
+from cases.contact.shapes import Poses, Shapes, Straight, guess, shapes
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple, couples
 from cases.scene.piece_case import PieceCase, neighbour
@@ -23,11 +24,11 @@ from ..minimal.boxes import Cores
 from ..minimal.element_meetings import ElementMeeting, ElementSearch, fine
 from ..minimal.integrators.segment import Segment
 from ..scales import EPS
+from .closings import first_closings
 from .places import couple_of, in_round, place
 from .plate_numbers import bodies
 from .regimes import AT_END
 from .segment_view import SegmentView, remember
-from .shapes import Poses, Shapes, Straight, first_closings, guess, shapes
 from .touching import SAME_PLACE, bend_bounds, inside, pairs_that_touch
 
 # A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
@@ -131,8 +132,8 @@ class CoupleSearch:
     def __init__(self, couple: Couple):
         self.couple = couple
         every = pairs_that_touch(couple)
-        self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
-        self.others = [pair for pair in every if shapes(pair) is None]
+        self.quick = [(pair, some) for pair in every if (some := shapes(*pair.pieces)) is not None]
+        self.others = [pair for pair in every if shapes(*pair.pieces) is None]
         self.complete = dict[tuple[tuple[int, int], ...], bool]()
 
     def excludes_all(self, in_view: Sequence[PieceCase], resting: frozenset[int]) -> bool:
@@ -269,7 +270,7 @@ class CoupleSearch:
 def _place_inside(pair: PieceCase, some: Shapes, x: float, y: float, theta: float) -> tuple[float, float] | None:
     """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base; None beyond
     an end."""
-    near = guess(pair, some, x, y, theta)
+    near = guess(*pair.pieces, some, x, y, theta)
     return near if inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END) else None
 
 
@@ -313,7 +314,7 @@ def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
     itself, if its nearest points are unique, and then those with a neighbour to which the contact passes smoothly."""
     result = set[tuple[int, int]]()
     for pair in in_view:
-        if is_unique(pair) or shapes(pair) is not None:
+        if is_unique(pair) or shapes(*pair.pieces) is not None:
             result.add(in_round(pair))
         elif not fits_everywhere(pair):
             continue  # a second contact may be at the other end

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cases.contact.shapes import Poses
 from cases.scene.piece_case import PieceCase
 
 from ..minimal.boxes import Cores, cores
@@ -15,7 +16,6 @@ from ..minimal.modes import Phase
 from ..scales import EPS
 from .plate_numbers import bodies
 from .regimes import pair_of, regime_of
-from .shapes import Poses
 from .system import COLUMNS
 
 # Places in a window at which a contact is sampled, and how far it may go beyond them, as a part of their range.
