@@ -72,7 +72,8 @@ def impact_of_all(
     None: there is none). Arguments and errors as of `impact`."""
     mu, nothing = list(mu), np.zeros(len(contacts))
     belts, arms = (nothing if some is None else some for some in (belts, arms))
-    restitution = np.array([at.restitution for at in contacts])
+    # A contact that opens before the impact has nothing to give back.
+    restitution = np.array([at.restitution if float(at.lift_row @ before) < 0.0 else 0.0 for at in contacts])
     if law != "poisson":
         return _collide(inertia, before, contacts, ImpactLaw(restitution, nothing, mu, belts, arms), speed)[0]
     compressed, impulses = _collide(inertia, before, contacts, ImpactLaw(nothing, nothing, mu, belts, arms), speed)

@@ -21,7 +21,6 @@ from ..endings import (
     LANDING_END,
     Ending,
     combination_limit_ending,
-    events_without_time,
     no_impact_law,
     several_impacts,
 )
@@ -36,9 +35,8 @@ from .touching import SAME_PLACE, name_of, place_on_track
 
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
 CLOSES = 1e-10
-# Impacts at one instant that follow from each other (each is slower: 50 of 0.63 the speed are 1e-10 of the first), at
-# contacts whose gap is below this part of the plates' size: its rounding.
-MOST_IMPACTS, NO_GAP = 200, 64 * EPS
+# A gap below this part of the plates' size is its rounding.
+NO_GAP = 64 * EPS
 # Velocities that follow from those of belts have a few roundings.
 SOME_ROUNDINGS = 8
 # Modes and impulses are enumerated, four for each contact with friction: so many combinations take some ten seconds.
@@ -171,12 +169,18 @@ class WatchedPlates:
         `closing`: contacts that may have closed with a velocity, which is an impact, as may others without a gap; the
         velocities of those that touched before are no part of it. None: no contact has closed."""
         closed = self.touching - (closing or set())
-        if closing is not None:
-            least = TOUCHES * size(self.case, self.state)
-            near = zip(self.watches, self._places(self.watches), strict=True)
-            self.touching |= closing | {watch.name for watch, at in near if at.gap <= least}
-        touching = self._closed()
-        self.state, now = project(self.case, self.state, self._places(touching))
+        self.touching |= closing or set()
+        for _ in range(len(self.watches) + 1):
+            touching = self._closed()
+            self.state, now = project(self.case, self.state, self._places(touching))
+            if closing is None:
+                break
+            # Others without a gap close at the same instant, also where the projection has closed them.
+            least, near = TOUCHES * size(self.case, self.state), self._places(self.watches)
+            more = {watch.name for watch, at in zip(self.watches, near, strict=True) if at.gap <= least}
+            if more <= self.touching:
+                break
+            self.touching |= more
         for watch, at in zip(touching, now, strict=True):
             watch.points, watch.last = (at.xi1, at.xi2), (watch.pair, self.state, at)
             watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0  # also of one that rebounds
@@ -205,22 +209,34 @@ class WatchedPlates:
         self.state = (*self.state[: self.half], *velocity.tolist())
 
     def _impacts(self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
-        """Apply the impacts of all groups with a contact that closes, and those that follow at the same instant;
-        returns the contacts that do not slip, and leaves those that open out of `touching`."""
-        for _ in range(MOST_IMPACTS):
-            stuck = self._impacts_once(touching, now, stuck)
+        """Apply the impacts of all groups with a contact that closes; returns the contacts that do not slip, and leaves
+        those that open out of `touching`. A contact that opens has no impulse; where it would close at the same
+        instant, it is hit together with the others."""
+        state, present, causes, still, hit = self.state, set(self.touching), dict(self.causes), self.still, set[str]()
+        for _ in range(len(touching) + 1):
+            sticking, strikes = self._impacts_once(touching, now, stuck, hit)
             velocity = self.velocity
             again = {
                 watch.name
                 for watch, at in zip(touching, now, strict=True)
                 if float(at.lift_row @ velocity) < -CLOSES * self.speed
-            }
+            } - hit
             if not again:
-                return stuck
-            self.touching |= again
-        raise MotionEnds(events_without_time(self.t, MOST_IMPACTS, "impacts"))
+                break
+            hit |= again
+            self.state, self.touching, self.causes, self.still = state, present | hit, dict(causes), still
+        if strikes:
+            self.impact_time = self.t
+            every = frozenset(name for names, _, _ in strikes for name in names)
+            closers_all = frozenset(name for _, closing_names, _ in strikes for name in closing_names)
+            self.hops.strike(Strike(self.t, self.state, max(fastest for *_, fastest in strikes), every, closers_all))
+        return sticking
 
-    def _impacts_once(self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
+    def _impacts_once(
+        self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str], hit: set[str]
+    ) -> tuple[set[str], list[tuple[list[str], list[str], float]]]:
+        """The contacts that do not slip after the impacts of all groups, and of each impact its contacts, those that
+        closed, and the fastest closing speed; `hit`: contacts that are hit although they open."""
         staying, sticking = set[str](), set[str]()
         strikes: list[tuple[list[str], list[str], float]] = []
         present = [k for k, watch in enumerate(touching) if watch.name in self.touching]
@@ -229,7 +245,7 @@ class WatchedPlates:
             velocity = self.velocity
             lifts = {k: float(now[k].lift_row @ velocity) for k in group}
             closing = [k for k in group if lifts[k] < -CLOSES * self.speed]
-            near = [k for k in group if lifts[k] <= CLOSES * self.speed]
+            near = [k for k in group if lifts[k] <= CLOSES * self.speed or touching[k].name in hit]
             if not closing:
                 still = STILL * self.speed
                 staying |= {touching[k].name for k in near}
@@ -250,12 +266,7 @@ class WatchedPlates:
                 closers = [touching[k].name for k in part_closing]
                 strikes.append((names, closers, max(-lifts[k] for k in part_closing)))
         self.touching = staying
-        if strikes:
-            self.impact_time = self.t
-            every = frozenset(name for names, _, _ in strikes for name in names)
-            closers_all = frozenset(name for _, closing_names, _ in strikes for name in closing_names)
-            self.hops.strike(Strike(self.t, self.state, max(fastest for *_, fastest in strikes), every, closers_all))
-        return sticking
+        return sticking, strikes
 
     def _no_impact(self, at: ContactPlace) -> Ending:
         couple = couple_of(at.pair)

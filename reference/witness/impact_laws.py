@@ -34,7 +34,10 @@ def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> 
     """Velocities after an impact of contacts that share plates, and which of them do not slip: by Routh's construction
     where one plate touches what is fixed in one place, else by the law for whole impulses."""
     laws = [pair.contact.effect(Impact) for pair in some]
-    restitution = np.array([law.restitution if law else 0.0 for law in laws])
+    # A contact that opens before the impact has nothing to give back.
+    restitution = np.array(
+        [law.restitution if law and one.lift < 0.0 else 0.0 for law, one in zip(laws, some, strict=True)]
+    )
     if len(some) != 1 or some[0].sides[1] is not None:
         return by_whole_impulses(state, effect, some, restitution)
     impulse = Impulse(state, some[0])

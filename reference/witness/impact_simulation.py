@@ -27,9 +27,8 @@ ENDS = 1e-3
 LOWEST = 1e-12
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
 ACCUMULATES = 1e-7
-# Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
-# rounding.
-MOST_IMPACTS, NO_GAP = 50, 64 * EPS
+# A gap below this part of the plate's size is its rounding.
+NO_GAP = 64 * EPS
 
 
 class ImpactSimulation(PhaseIntegration):
@@ -42,23 +41,10 @@ class ImpactSimulation(PhaseIntegration):
         self.landing: set[str] = set()
 
     def strike_all(self, now: Sequence[PairState]) -> bool:
-        """The impact at the touched contacts, and those that it causes at once at others without a gap. Returns whether
-        one of them ended a series: gaps that the next ones close are rounding there."""
-        for _ in range(MOST_IMPACTS):
-            self.strike(now)
-            if self.end_series():
-                return True
-            lifts = [float(pair.lift_row @ self.body[self.half :]) for pair in now]
-            more = {
-                contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
-                if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -MOVES * self.speed
-            }  # fmt: skip
-            if not more:
-                return False
-            self.touching |= more
-            self.name_touching()
-            now = self.pairs()
-        raise SimulationEnd("accumulation")
+        """The impact at the contacts without a gap. Returns whether it ended a series: gaps that the next ones close
+        are rounding there."""
+        self.strike(now)
+        return self.end_series()
 
     def strike(self, now: Sequence[PairState]) -> None:
         """The impact at the touched contacts, if one of them closes."""
@@ -88,9 +74,18 @@ class ImpactSimulation(PhaseIntegration):
                     raise SimulationEnd("landing")
         if any(now[k].clearance <= 0.0 and not is_watched_always(now[k].contact) for k in closing):
             raise SimulationEnd("no_fit")
-        velocity, stuck = self.velocities_after(
-            effect, [now[k] for k in places_hit], [k in closing for k in places_hit]
-        )
+        velocity, stuck = self.velocities_after(effect, now, places_hit, closing)
+        # Contacts that open before the impact, but would close at the same instant, are hit together with the others.
+        for _ in self.contacts:
+            more = [
+                k for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True))
+                if k not in places_hit and not contact.is_away and pair.gap <= NO_GAP * self.size()
+                and float(pair.lift_row @ velocity) < -small
+            ]  # fmt: skip
+            if not more:
+                break
+            places_hit = sorted([*places_hit, *more])
+            velocity, stuck = self.velocities_after(effect, now, places_hit, closing)
         if effect.law == "newton":
             turns = self.dynamics.inverse > 0.0
             weights = 1.0 / self.dynamics.inverse[turns]
@@ -113,6 +108,7 @@ class ImpactSimulation(PhaseIntegration):
             if stuck[i]:
                 self.stuck.add(name)
         self.impacts.at_rest |= tiny
+        self.name_touching()
 
     def still_in(self, some: Sequence[PairState], velocity: np.ndarray, none: float) -> set[Sides]:
         """The plates whose rotation these contacts resist and that have none: below that speed (m/s) at the radius of
@@ -121,13 +117,14 @@ class ImpactSimulation(PhaseIntegration):
         return {p.sides for p in some if p.sides in sides and abs(float(p.turning_row @ velocity)) <= none}
 
     def velocities_after(
-        self, effect: Impact, some: Sequence[PairState], closes: Sequence[bool]
+        self, effect: Impact, now: Sequence[PairState], hit: Sequence[int], closing: Sequence[int]
     ) -> tuple[np.ndarray, list[bool]]:
-        """Velocities after an impact at some contacts of which those close, and which of them do not slip."""
-        before, small = self.body.copy(), MOVES * self.speed
+        """Velocities after an impact at the contacts `hit`, of which those in `closing` close, and which of them do not
+        slip."""
+        before, small, some = self.body.copy(), MOVES * self.speed, [now[k] for k in hit]
         stuck = [abs(pair.slip) <= small for pair in some]
         for group in groups([pair.contact for pair in some]):
-            if not any(closes[i] for i in group):
+            if not any(hit[i] in closing for i in group):
                 continue
             self.body[self.half :], sticks = velocities(self, effect, [some[i] for i in group])
             for i, sticking in zip(group, sticks, strict=True):
