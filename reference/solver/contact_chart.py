@@ -47,7 +47,7 @@ from .meet import Meetings, until_meeting
 from .places import start_of
 from .plate_numbers import load_scale
 from .segment_view import SegmentView
-from .touching import touching_contacts
+from .touching import contacts_at_start
 
 # Meetings nearer to a phase's end than this part of it are the end's: both are events, located to 1e-12.
 END = 1e-11
@@ -132,7 +132,7 @@ class ContactChart:
         """Whether the motion begins with one contact, or in flight."""
         if isinstance(self.case, PieceCase) and (self.regime is None or lies_flat(self.case, self.y[0], self.y[1])):
             return False
-        return self.is_alone or len(list(touching_contacts(self.whole, np.array(start_of(self.whole))))) < 2
+        return self.is_alone or len(contacts_at_start(self.whole, start_of(self.whole))) < 2
 
     def phase(self) -> Ending | Departure | None:
         """Simulate one phase and what follows it. Raises Undecidable, DoesNotFit."""

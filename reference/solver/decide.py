@@ -7,7 +7,7 @@ motion; different ones are reported, none is chosen.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
 from math import copysign
 from typing import NamedTuple
@@ -16,6 +16,7 @@ import numpy as np
 
 from cases import Case, Mode
 from cases.curves.corner import Corner
+from cases.own_effects import own_effects
 
 from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
@@ -56,11 +57,12 @@ class _Motion(NamedTuple):
 
 def decide(
     now: DecisionInstant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]],
-    last_modes: tuple[Mode, ...] | None = None,
+    last_modes: tuple[Mode, ...] | None = None, was_closed: Collection[int] = (),
 ) -> Decision:  # fmt: skip
-    """The modes of one group's contacts that follow; `fixed` limits those of some, by their places. `lost`: the modes
-    in which forces that are not unique have reached their limit. Raises Undecidable."""
-    clusters, is_singular = _consistent(now, contacts, fixed, last_modes)
+    """The modes of one group's contacts that follow; `fixed` limits those of some, by their places. `last_modes`: those
+    in which forces that are not unique have reached their limit; `was_closed`: the contacts that were closed just
+    before. Raises Undecidable."""
+    clusters, is_singular = _consistent(now, contacts, fixed, last_modes, was_closed)
     if len(clusters) != 1:
         return Decision(None, False, (), tuple(some[0].modes for some in clusters), is_singular)
     best = max(clusters[0], key=lambda one: (one.rests, _closed(one.modes), _sticking(one.modes)))
@@ -84,6 +86,7 @@ def _consistent(
     contacts: Sequence[ContactPlace],
     fixed: Mapping[int, tuple[Mode, ...]],
     last_modes: tuple[Mode, ...] | None,
+    was_closed: Collection[int] = (),
 ) -> tuple[list[list[_Motion]], bool]:
     """The consistent motions, those of the same accelerations together, and `Decision.is_singular`."""
     motions, is_singular, plates = list[_Motion](), False, plates_in(contacts)
@@ -113,7 +116,10 @@ def _consistent(
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
         motions = [one for one in motions if _sticking(one.modes) == most]
-    return _clusters(now, motions), is_singular
+    # An effect of the user's own acts as long as its contact is closed: it holds a contact that could open without it.
+    held = [k for k in was_closed if own_effects(contacts[k].pair.effects)]
+    staying = [one for one in motions if all(one.modes[k] is not Mode.FLIGHT for k in held)]
+    return _clusters(now, staying or motions), is_singular
 
 
 def variables(state: Sequence[float], contacts: Sequence[ContactPlace]) -> tuple[float, ...]:

@@ -55,11 +55,12 @@ class ModeChanges(ImpactEnds):
             last_modes: tuple[Mode, ...] | None = None
             if self.at_limit & set(names):
                 last_modes = () if self.may_slide else tuple(closed[k].mode for k in group)
-            decision = self._decide_group(now, some, fixed, last_modes)
+            was_closed = [i for i, k in enumerate(group) if closed[k].mode is not Mode.FLIGHT]
+            decision = self._decide_group(now, some, fixed, last_modes, was_closed)
             for error in errors[1:]:
                 if decision.motions or decision.is_singular:
                     break
-                decision = self._decide_group(replace(now, error=error), some, fixed, last_modes)
+                decision = self._decide_group(replace(now, error=error), some, fixed, last_modes, was_closed)
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))
@@ -93,12 +94,12 @@ class ModeChanges(ImpactEnds):
 
     def _decide_group(
         self, now: DecisionInstant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]],
-        last_modes: tuple[Mode, ...] | None,
+        last_modes: tuple[Mode, ...] | None, was_closed: Sequence[int],
     ) -> Decision:  # fmt: skip
-        decision = decide(now, some, fixed, last_modes)
+        decision = decide(now, some, fixed, last_modes, was_closed)
         if not fixed or (decision.motions and not self.may_float):
             return decision
-        free = decide(now, some, {})
+        free = decide(now, some, {}, None, was_closed)
         return free if not decision.motions or self._stays_without_force(free, fixed) else decision
 
     @staticmethod

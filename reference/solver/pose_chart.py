@@ -1,4 +1,4 @@
-"""The general chart: plates with any contacts, in poses; one phase, and the event or impact at its end."""
+"""The general chart: plates with any contacts, in poses; the phases of their motion."""
 
 from __future__ import annotations
 
@@ -10,54 +10,43 @@ from typing import cast
 import numpy as np
 
 from cases import Belt, Case, Mode
-from cases.contact import belt_speed, clearance, start_motion
+from cases.contact import belt_speed, start_motion
 from cases.curves.corner import Corner
 from cases.motion.trajectory import CONTACT
 from cases.scene.contact_limits import has_features
 from cases.scene.free_plates import plates_of
-from cases.scene.piece_case import LEVEL, PieceCase, corner_on_corner, is_concave, neighbour, touching_corners
+from cases.scene.piece_case import LEVEL, is_concave, touching_corners
 
 from ..effect_laws.friction import STICKING
 from ..endings import (
     CAUSES,
-    COMPLETION,
     CORNERS_MEET,
-    ENDS,
     FLAT,
     Ending,
 )
 from ..minimal.assembly import PIECE_ENDS
-from ..minimal.contact_end import ending_by
 from ..minimal.element_meetings import ElementMeeting, points_at
-from ..minimal.grazing import may_touch, over_touch
 from ..minimal.impact import ContactVelocity
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
-from ..scales import IDLE, LOCATION_ERROR, ROUGH, STILL, TOUCHES, error_range, frequency, looks_between
+from ..scales import IDLE, ROUGH, STILL, TOUCHES, error_range, frequency, looks_between
 from . import forces
 from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
 from .contact_chart import ContactChart, Departure, pair_in_couple
 from .hops import NestedSeries
 from .impact_ends import MAY_LAND
-from .meet import Meetings, until_meeting
-from .mode_changes import ModeChanges
+from .meet import until_meeting
+from .phase_events import PhaseEvents
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import rigid_pairs, size, speed
-from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, is_flat_beyond, regime_of, solver_phase, split
+from .regimes import SolverPhase, SolverRegime, regime_of, solver_phase, split
 from .segment_view import view_of
-from .touching import touching_contacts
+from .touching import contacts_at_start, touching_contacts
 from .watched_plates import Watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.scene.piece_case.LEVEL`).
 MEETS = 1e-11
-# Guards of a rotation of plates against each other, which belong to all their contacts.
-OF_ROTATION = ("turn", "couple_forward", "couple_backward")
-# Guards of forces at their bounds.
-OF_FORCES = ("normal", "cone_forward", "cone_backward")
-# A contact does not pass to an element on which the clearance of its curvatures is below this part of 1/reach: its
-# nearest points would not be next to it.
-FITS = 1e-6
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 # The same where its contact is followed: a longer one would add up the errors of its gap.
@@ -68,7 +57,7 @@ LIES = 1e-6
 ALONE = 0.5
 
 
-class PoseChart(ModeChanges):
+class PoseChart(PhaseEvents):
     """The motion of one or several plates from the start of a case, or from where it departed from its only contact's
     coordinates."""
 
@@ -76,12 +65,10 @@ class PoseChart(ModeChanges):
         self, case: Case, rtol: float, integrate: Callable[..., Segment], segments: Segments, hops: NestedSeries,
         contact: ContactChart | None, no_contacts: Callable[[], str],
     ):  # fmt: skip
-        super().__init__(case, start_of(case), hops)
-        self.rtol, self.integrate, self.segments, self.contact = rtol, integrate, segments, contact
-        self.idle, self.meetings, self.errors, self.no_contacts = 0, Meetings(case), error_range(rtol), no_contacts
+        super().__init__(case, start_of(case), hops, rtol)
+        self.integrate, self.segments, self.contact = integrate, segments, contact
+        self.idle, self.errors, self.no_contacts = 0, error_range(rtol), no_contacts
         self.was_double = False  # whether the plate has touched in two places at once
-        # When (s) a contact has left a pair over an end.
-        self.partings = list[tuple[float, PieceCase]]()
         self.enter: Callable[[], None] | None = None
 
     def begin(self, before: Departure | None) -> PoseChart:
@@ -170,8 +157,10 @@ class PoseChart(ModeChanges):
                     touching.append(watch)
                 elif self._follows(watch, at.gap) and at.gap > TOUCHES * size(self.case, self.state):
                     return
-        for pair, points in touching_contacts(self.case, np.array(self.state), TOUCHES if before is None else MEETS):
-            touching.append(self._watch(pair, points))
+        if before is None:
+            touching += [self._watch(*one) for one in contacts_at_start(self.case, self.state)]
+        else:
+            touching += [self._watch(*one) for one in touching_contacts(self.case, np.array(self.state), MEETS)]
         if before is not None and before.meeting is not None:
             touching.append(self._watch(before.meeting.pair, (before.meeting.xi1, before.meeting.xi2)))
         self.touching = {watch.name for watch in touching}
@@ -241,12 +230,6 @@ class PoseChart(ModeChanges):
             self._settle(stuck, self._closing())
             return None
         return self._event(segment, stuck)
-
-    def _watch_touching(self, part: float = TOUCHES) -> None:
-        """Watch also others that close at the same instant, in the order of their elements; `part` as of
-        `touching_contacts`."""
-        for pair, points in touching_contacts(self.case, np.array(self.state), part):
-            self._watch(pair, points)
 
     def _lies_down(self, segment: Segment) -> float | None:
         """When a side lies down in a segment, s: the direction of a closed contact at a corner passes its end. Where
@@ -340,135 +323,3 @@ class PoseChart(ModeChanges):
         times = [self.t, *looks_between(segment.times).tolist()] if belts else []
         speeds = [abs(float(belt_speed(pair, t))) for pair in belts for t in times]
         self.speed = max(self.speed, speed(self.case, self.state), *speeds)
-
-    def _event(self, segment: Segment, stuck: set[str]) -> Ending | None:
-        guard = segment.event.guard
-        if guard is None:
-            if self.t >= self.case.duration:
-                return COMPLETION
-            self._settle(stuck)
-            return None
-        kind, _, number = guard.partition(":")
-        if kind in PIECE_ENDS:
-            return self._pass_on(self.watches[int(number)], kind, stuck)
-        ending = ending_by(self.case, segment, kind)
-        if ending is not None:
-            return ending
-        if kind in OF_ROTATION:
-            sides = sides_of(self.watches[int(number)].pair)
-            together = {watch.name for watch in self._closed() if sides_of(watch.pair) == sides}
-            self.causes |= dict.fromkeys(together, CAUSES[kind])
-            self.still = [*self.still, sides]
-            self._settle(stuck, self._closing())
-            return None
-        watch = self.watches[int(number)]
-        if kind in OF_FORCES:
-            begin = segment.states(np.array([segment.start]))[:, 0].tolist()
-            self.may_float = may_touch(segment.phase, segment, guard, begin)
-            if self.may_float and self._is_touch(segment, guard):
-                self._settle(stuck)
-                return None
-        if kind in ("lost", "room"):
-            self.watches.remove(watch)
-            self._settle(stuck)
-            return None
-        if kind == "gap":
-            self._settle(stuck, closing={watch.name})
-            return None
-        closing = self._closing()  # an impact at the same instant
-        self.causes[watch.name] = CAUSES["normal_force" if kind == "normal" else kind]
-        if kind == "slip":
-            stuck.add(watch.name)
-        if kind == "normal" and not closing:
-            self.fixed = {watch.name: (Mode.FLIGHT,)}
-        self._settle(stuck, closing)
-        return None
-
-    def _is_touch(self, segment: Segment, guard: str) -> bool:
-        """Whether a force that ends a segment at its bound only touches that: the motion goes on beyond."""
-        error = max(self.rtol, LOCATION_ERROR)
-        across = over_touch(segment.phase, segment, guard, error, self.case.duration)
-        if across is None or self.meetings.first(view_of(across)) is not None:
-            return False
-        self._advance(across)
-        return True
-
-    def _pass_on(self, watch: Watch, kind: str, stuck: set[str]) -> Ending | None:
-        """The contact has reached an end of an element: it passes to the next one, or ends."""
-        of_track, step = PIECE_ENDS[kind]
-        piece, s = watch.pair.pieces[0 if of_track else 1], watch.points[0 if of_track else 1]
-        if piece.parts is not None and (piece.ends is None or piece.ends[0] < s < piece.ends[1]):
-            self.causes[watch.name] = CAUSES[kind]  # a knot
-            self._settle(stuck)
-            return None
-        if watch.pass_time == self.t and not watch.at_joint:  # it came from there at this instant
-            watch.at_joint = True
-            self._settle(stuck)
-            return None
-        was_at_joint, watch.pass_time, watch.at_joint = watch.at_joint, self.t, False
-        following = neighbour(watch.pair, of_track, step)
-        if watch.mode is Mode.FLIGHT and not was_at_joint and is_flat_beyond(watch.pair, of_track, step):
-            watch.at_joint = True  # a side that lies flat to rounding may turn back
-            self._settle(stuck)
-            return None
-        if watch.mode is Mode.FLIGHT:
-            self.watches.remove(watch)
-            self.partings.append((self.t, watch.pair))
-            self._settle(stuck)
-            return None
-        if following is None:
-            return ENDS[kind]
-        if ends_flat(watch.pair, of_track, step):  # the side reaches the other curve's end
-            return ENDS[kind.replace("outline", "track") if not of_track else kind.replace("track", "outline")]
-        whole = watch.pair.to_whole(*watch.points)
-        if is_concave(following):  # it comes to the next piece at the same place
-            beyond = neighbour(following, of_track, step)
-            if beyond is None:
-                return ENDS[kind]
-            other = self._watch(beyond, self._start_of(beyond, whole, of_track, step))
-            if other.name in self.touching:  # a corner inside a corner stays there
-                watch.at_joint = True
-                self._settle(stuck)
-                return None
-            self._watch_touching()
-            self._settle(stuck, closing={other.name})
-            return None
-        self.causes[watch.name] = CAUSES["piece"]
-        runs = watch.pair.effect(Belt) is not None  # a contact that sticks moves with its belt
-        if corner_on_corner(following) and watch.mode in STICKING and not runs:  # it met that corner, and stays
-            watch.at_joint = True
-            self._settle(stuck)
-            return None
-        corner = watch.pair.pieces[1 if of_track else 0]
-        off = watch.points[1 if of_track else 0] - corner.span[1 if step < 0 else 0]
-        if corner_on_corner(following) and abs(off) <= AT_END:
-            # The side behind that corner lies flat, and goes on over the other curve's corner.
-            following, of_track, step = neighbour(following, not of_track, -step) or following, not of_track, -step
-        if corner_on_corner(following):  # the plate's corner passes the other curve's
-            self.fixed = {watch.name: (Mode.FLIGHT,)}
-            self._record({one.name: one.mode for one in self.watches if one is not watch})
-            self.watches = [one for one in self.watches if one is not watch]
-            self.touching.discard(watch.name)
-            # It moves along the side that touched: beyond the end of the other curve's element before, away from the
-            # next.
-            neighbours = (neighbour(following, is_track, way) for is_track in (True, False) for way in (-1, 1))
-            self.partings += [(self.t, pair) for pair in (watch.pair, *neighbours) if pair is not None]
-            self._settle(stuck - {watch.name})
-            return None
-        points = self._start_of(following, whole, of_track, step)
-        if not clearance(following, *points) > FITS / following.plate.reach:
-            return ENDS["fit"]
-        for one in [one for one in self.watches if one is not watch and one.is_at(following, points)]:
-            self.watches.remove(one)  # it had opened there
-            self.touching.discard(one.name)
-        watch.pair, watch.points = following, points
-        self._settle(stuck)
-        return None
-
-    @staticmethod
-    def _start_of(pair: PieceCase, whole: tuple[float, float], of_track: bool, step: int) -> tuple[float, float]:
-        """Parameters of a contact that has just come to an element."""
-        points = [whole[0] - pair.first.shift, whole[1] - pair.second.shift]
-        span = pair.pieces[0 if of_track else 1].span
-        points[0 if of_track else 1] = span[0 if step > 0 else 1]
-        return points[0], points[1]

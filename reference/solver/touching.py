@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import cast
 
 import numpy as np
 
-from cases import Case, Chain, DoesNotFit
-from cases.contact import Contact
+from cases import Case, Chain
 from cases.contact.close_pairs import circles_around, close_pairs
 from cases.contact.element_pairs import may_touch
-from cases.contact.geometry import bends, clearance, find
+from cases.contact.geometry import bends, clearance
 from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
 from cases.scene.couples import Couple, couples
@@ -21,9 +20,9 @@ from cases.scene.supports import is_straight
 
 from ..curvature_proof import curvatures
 from ..scales import TOUCHES
-from .plate_numbers import size
+from .places import place
+from .plate_numbers import size, speed
 from .regimes import AT_END
-from .shapes import guess, shapes
 
 # Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this: curves
 # whose curvatures differ by a thousandth of 1/reach are apart by less than a pose's rounding there.
@@ -49,13 +48,13 @@ def bend_bounds(piece: Piece) -> tuple[float, float]:
 
 
 def touching_contacts(
-    case: Case, state: np.ndarray, part: float = TOUCHES
+    case: Case, state: np.ndarray, part: float = TOUCHES, of: int | None = None
 ) -> Iterator[tuple[PieceCase, tuple[float, float]]]:
     """The pairs of elements that touch in a state of all plates, with their own parameters; `part`: of the plates' size
-    and place, below which a gap is none."""
+    and place, below which a gap is none; `of`: the number of the only couple that is looked at."""
     poses = np.asarray(state[: len(state) // 2], dtype=float)
     least, deepest = part * size(case, state), max(part, OVERLAPS) * size(case, state)
-    for couple in couples(case):
+    for couple in couples(case) if of is None else (couples(case)[of],):
         x, y, theta = (float(v) for v in couple.relative_pose(poses))
         places = list[np.ndarray]()
         u, v, radius = circles_around(couple.track)
@@ -63,7 +62,7 @@ def touching_contacts(
         for pair in pairs_that_touch(couple):
             if not is_near[pair.first.number]:
                 continue
-            for at in _close_pairs(pair, (x, y, theta), least):
+            for at in close_pairs(*cast(tuple[Piece, Piece], pair.pieces), (x, y, theta), least):
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
                     continue
                 if clearance(*pair.pieces, at.xi1, at.xi2) < 0.0:  # the gap is a largest one, next to an inflection
@@ -72,6 +71,18 @@ def touching_contacts(
                 if all(np.abs(where - one).max() > SAME_PLACE for one in places):
                     places.append(where)
                     yield pair, (at.xi1, at.xi2)
+
+
+def contacts_at_start(case: Case, state: Sequence[float]) -> list[tuple[PieceCase, tuple[float, float]]]:
+    """The pairs of elements that touch where a motion begins: a motion that begins again in one of its states has its
+    errors, so that contacts whose gap hardly changes may have one."""
+    values, least, result = np.array(state), TOUCHES * size(case, state), list[tuple[PieceCase, tuple[float, float]]]()
+    slow, half = OVERLAPS * speed(case, state), len(values) // 2
+    for pair, points in touching_contacts(case, values, OVERLAPS):
+        at = place(pair, state, points)
+        if at.gap <= least or abs(float(at.lift_row @ values[half:])) <= slow:
+            result.append((pair, points))
+    return result
 
 
 def place_on_track(pair: PieceCase, xi1: float) -> np.ndarray:
@@ -90,16 +101,6 @@ def inside(pair: PieceCase, xi1: float, xi2: float, turn: float = AT_END) -> boo
         if not low - error <= s <= high + error:
             return False
     return True
-
-
-def _close_pairs(pair: PieceCase, pose: tuple[float, float, float], most: float) -> list[Contact]:
-    """The pairs of points of two elements with a common normal and a gap of at most that, m; perhaps others."""
-    if some := shapes(pair):
-        try:
-            return [find(*pair.pieces, *pose, guess(pair, some, *pose))]
-        except DoesNotFit:  # far away
-            return []
-    return close_pairs(*cast(tuple[Piece, Piece], pair.pieces), pose, most)
 
 
 def name_of(pair: PieceCase, used: set[str]) -> str:
