@@ -52,9 +52,9 @@ def main(folder: str, other: str = "") -> int:
     write_answers([cases.load(name) for name in SCENES], Path(folder), is_selection=True)
     if not other:
         return 0
-    found = compare_builds.compare(Path(other), Path(folder))
-    print(compare_builds.summary_lines(found, Path(other), Path(folder)))
-    return int(not found.same)
+    comparison = compare_builds.compare(Path(other), Path(folder))
+    print(compare_builds.summary_lines(comparison, Path(other), Path(folder)))
+    return int(not comparison.same)
 
 
 if __name__ == "__main__":

@@ -161,8 +161,8 @@ def row(case: Case) -> dict[str, Any]:
     values: dict[str, float] = {"spread": change.centre, "spread_time": change.time}
     motion = None if scene.truth.failure else true_motion(case, scene.truth.method)
     if motion is not None:
-        found = conditioning(case, motion)
-        values |= {"condition": found.dimensionless, "condition_si": found.largest, "condition_time": found.when}
+        worst = conditioning(case, motion)
+        values |= {"condition": worst.dimensionless, "condition_si": worst.largest, "condition_time": worst.when}
     numbers = {name: f"{value:.4g}" if isfinite(value) else "" for name, value in values.items()}
     return {"case": case.label, "last_bit": change.sequence} | numbers
 

@@ -112,9 +112,9 @@ def _stored_constants() -> dict[str, dict[str, str]]:
 def constants(case: Case) -> dict[str, Any]:
     """The constants of a scene of the catalogue: `last_bit`, "" if that unit does not change the sequence of modes, and
     numbers; NaN where they are not known, as of all other scenes."""
-    stored: Mapping[str, str] = _stored_constants().get(case.label, {}) if in_catalogue(case) else {}
-    numbers = {name: float(stored.get(name) or nan) for name in _NUMBERS}
-    return numbers | {"last_bit": stored.get("last_bit", "")}
+    own: Mapping[str, str] = _stored_constants().get(case.label, {}) if in_catalogue(case) else {}
+    numbers = {name: float(own.get(name) or nan) for name in _NUMBERS}
+    return numbers | {"last_bit": own.get("last_bit", "")}
 
 
 def chaotic(case: Case) -> str:
