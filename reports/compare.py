@@ -155,15 +155,15 @@ def _text(facts: dict[str, Any]) -> str:
     digits = (".9g", ".9g", ".9g", ".9g", ".9g", ".7g", ".9g", ".9g")
     head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "pairing")
     ledger = [[row[name] for name in head] for row in facts["transitions"]]
-    shown = [[row[name] for name in IMPACT_COLUMNS] for row in facts["impacts"][:MOST_IMPACTS]]
-    impacts = tabulate(shown, IMPACT_COLUMNS, floatfmt=("", ".9g", *6 * (".4g",)), missingval="nan")
-    more = len(facts["impacts"]) - len(shown)
+    few = [[row[name] for name in IMPACT_COLUMNS] for row in facts["impacts"][:MOST_IMPACTS]]
+    impacts = tabulate(few, IMPACT_COLUMNS, floatfmt=("", ".9g", *6 * (".4g",)), missingval="nan")
+    more = len(facts["impacts"]) - len(few)
     energies = [(f"energy {name}", value) for name, value in facts["energy"].items()]
     return "\n\n".join(
         (
             f"{facts['file']} on {facts['case']}: {facts['summary']}",
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=digits) if ledger else "none, as in the truth"),
-            *([f"{IMPACTS}\n{impacts}" + (f"\n… and {more} more; --json has all" if more else "")] if shown else []),
+            *([f"{IMPACTS}\n{impacts}" + (f"\n… and {more} more; --json has all" if more else "")] if few else []),
             "Distance from the reference (m, rad, m/s)\n" + tabulate([*facts["distance"].items()], floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
             _law_text(**facts["law_error"]),

@@ -12,17 +12,19 @@ from cases.errors import finite, number_in, positive, whole_in
 from . import options
 
 COMMAND = "reports.sweep"
+# Exit status, as that of a report: no scenario has a motion, or none of the engines asked for an answer.
+NOTHING_RAN = 3
 
 
 @options.runs(
     COMMAND, "Simulate a case for many parameter values: a row per scenario, in Parquet, and a map.", "vary",
     "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
-    "paper",
+    "paper", "json",
     words={"CASE": options.A_CASE}, out="sweep",
     example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
 )  # fmt: skip
-def main(arguments: Namespace, words: list[str]) -> None:
-    """Check the options, make the sweep and print its files."""
+def main(arguments: Namespace, words: list[str]) -> int:
+    """Check the options, make the sweep and print its files; returns the exit status."""
     files, _ = options.load_files(arguments.case_file)
     case = lookup.case_name(arguments.CASE)
     plan = _plan(arguments, case.label(), (*files, str(case.file.resolve())) if case.file else files)
@@ -31,7 +33,7 @@ def main(arguments: Namespace, words: list[str]) -> None:
         raise BadValue(f"a sweep runs the installed engines, not {with_version}; reports.build compares versions")
     jobs = options.whole_jobs(arguments.jobs)
     width = None if arguments.refine is None else _width(arguments.refine, plan)
-    _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
+    return _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
 
 
 def _plan(arguments, case: str, files: Sequence[str]):
@@ -66,12 +68,12 @@ def _width(text: str, plan) -> float:
     return width
 
 
-def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | None, command: str) -> None:
-    """Make the rows, the boundaries and the maps, and print their paths."""
+def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | None, command: str) -> int:
+    """Make the rows, the boundaries and the maps, and print their paths and the summary; returns the exit status."""
     from .drawing.figure_files import embed_command
     from .running import cluster
     from .running.progress import Display
-    from .sweeping import boundary_search, computation, map_figures
+    from .sweeping import boundary_search, computation, map_figures, summary
     from .sweeping.sweep_folder import Folder
 
     out = options.check_out(arguments.out, lambda path: Folder(path, arguments.fresh))
@@ -92,18 +94,23 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
             edges = boundary_search.search_and_write(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
-        counts = map_figures.counts(folder)
+        result = summary.summary(folder, engines)
         with folder.staging() as place:
             pictures = [*map_figures.draw(plan, folder, place, engines, edges, arguments.paper)]
             for figure in pictures:
                 embed_command(place, figure, command)
-    for figure in pictures:
-        print(f"{figure.title}: {out / f'{figure.name}.svg'}")
-    print(f"{len(plan)} scenarios of {plan.name}, {new_count} of them made now; rows: {out / computation.ROWS}")
-    for what, count in counts.most_common(12):
-        print(f"  {count:>12,}  {what}")
-    if edges is not None:
-        print(f"boundaries: {out / boundary_search.FILE} ({edges.points} points, {edges.scenarios} more scenarios)")
+    files = {figure.title: str(out / f"{figure.name}.svg") for figure in pictures}
+    if arguments.json:
+        counts = {"case": plan.name, "scenarios": len(plan), "made_now": new_count, "rows": str(out / computation.ROWS)}
+        edge = None if edges is None else {"file": str(out / boundary_search.FILE), "points": edges.points}
+        print(options.json_of({**counts, **summary.as_dict(result), "boundaries": edge, "figures": files}))
+    else:
+        print("\n".join(f"{title}: {file}" for title, file in files.items()))
+        print(f"{len(plan)} scenarios of {plan.name}, {new_count} of them made now; rows: {out / computation.ROWS}")
+        print(summary.as_text(result))
+        if edges is not None:
+            print(f"boundaries: {out / boundary_search.FILE} ({edges.points} points, {edges.scenarios} more scenarios)")
+    return 0 if result.ran else NOTHING_RAN
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ is isolated; that scenario is a row of failure.
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from reference.sweeping import CHUNK, Plan
 
 from ..running import cluster, cluster_worker
 from ..running.names import REFERENCE
+from ..running.progress import in_words
 from ..running.solvers import pool, routes, version
 from ..running.storage import fingerprint
 from . import parts
@@ -123,13 +125,16 @@ def _of_engine(function: Callable, name: str):
 
 
 def _provenance(work: SweepWork, folder: Folder, kind: str, machines: Machines) -> int:
+    n, starts = len(work.plan), folder.part_starts(kind)
+    name = work.solver if not work.route else f"{work.solver} {work.route}"
     length = folder.value(f"chunk of {kind}")
     if not isinstance(length, int) or length < 1:
-        length = _length(work)
+        pace = _pilot(work)
+        length = _length(pace)
         folder.record({f"chunk of {kind}": length})
-    n, starts = len(work.plan), folder.part_starts(kind)
+        if pace is not None:
+            print(f"{name}: {_pace_text(pace, n, machines.jobs)}", file=sys.stderr)
     pending = [Part(start, min(start + length, n)) for start in range(0, n, length) if start not in starts]
-    name = work.solver if not work.route else f"{work.solver} {work.route}"
     title = f"{name}, {length} scenarios per part" + (f" ({len(starts)} parts already complete)" if starts else "")
     if not pending:
         return 0
@@ -138,18 +143,36 @@ def _provenance(work: SweepWork, folder: Folder, kind: str, machines: Machines) 
     return sum(part.stop - part.start for part in pending)
 
 
-def _length(work: SweepWork) -> int:
-    """Number of scenarios per part, from a pilot run; CHUNK divided by a power of two, so that noise rarely matters."""
-    if len(work.plan) <= LEAST:
-        return LEAST
+def _pilot(work: SweepWork) -> parts.Pilot | None:
+    """The trial of a plan in a worker; None if one of the first scenarios ends its worker.
+
+    Raises BadValue if none of those tried is a scene: what applies to all shows after a few, not after an hour."""
     with pool(1) as alone:
-        answer = alone.call(parts.rate, work, limit=PATIENCE)
+        answer = alone.call(parts.pilot, work, limit=PATIENCE)
     if answer.outcome != "done":
-        return LEAST  # one of the first scenarios ends its worker: small parts isolate it soonest
+        return None
+    if answer.value.no_scene:
+        raise BadValue(f"none of {answer.value.trials} scenarios tried, of {len(work.plan):,}: {answer.value.no_scene}")
+    return answer.value
+
+
+def _length(pace: parts.Pilot | None) -> int:
+    """Number of scenarios per part; CHUNK divided by a power of two, so that noise rarely matters."""
+    if pace is None:
+        return LEAST  # small parts isolate a scenario that ends its worker soonest
     length = CHUNK
-    while length > LEAST and length > LASTS * answer.value:
+    while length > LEAST and length * pace.seconds > LASTS:
         length //= 2
     return max(LEAST, length)
+
+
+def _pace_text(pace: parts.Pilot, count: int, jobs: int) -> str:
+    """Pace and duration: "93 ms of CPU time per scenario, one by one; 10,000 take about 8 min with 2 processes"."""
+    power, unit = next((each for each in ((0, "s"), (3, "ms")) if pace.seconds * 10 ** each[0] >= 1.0), (6, "µs"))
+    how = ", one by one" if pace.one_by_one else ""
+    lasts, workers = in_words(count * pace.seconds / jobs), f"{jobs} process{'es' if jobs > 1 else ''}"
+    each = f"{pace.seconds * 10**power:.3g} {unit}"
+    return f"{each} of CPU time per scenario{how}; {count:,} take about {lasts} with {workers}"
 
 
 # --- parts ------------------------------------------------------------------------------------------------------------

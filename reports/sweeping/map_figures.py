@@ -65,16 +65,6 @@ def kind(sequence: str, outcome: str) -> str:
     return f"{verbs[0]}, then {verbs[1]}" if len(verbs) > 1 else f"{verbs[0]} throughout"
 
 
-def counts(folder: Folder) -> Counter[str]:
-    """Number of scenarios of each kind."""
-    kinds: Counter[str] = Counter()
-    for rows in folder.rows(ROWS, ["sequence", "outcome"]):
-        pairs = rows.group_by(["sequence", "outcome"]).aggregate([([], "count_all")]).to_pylist()
-        for row in pairs:
-            kinds[kind(row["sequence"] or "", row["outcome"])] += row["count_all"]
-    return kinds
-
-
 def draw(
     plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None, paper: bool = False
 ) -> Iterator[FigureEntry]:

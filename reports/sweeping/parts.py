@@ -6,6 +6,7 @@ The same functions run in a worker of this machine and of a cluster; their only 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from io import BytesIO
 from math import isfinite
 from typing import NamedTuple
@@ -24,6 +25,9 @@ from ..running import tasks
 from ..running.names import REFERENCE
 from ..running.solvers import solver
 from ..running.storage import fingerprint
+
+# A trial of a plan: at most so many ranges of 1, 2, 4 … scenarios, the last one of a second or more (CPU time).
+PLACES, ENOUGH = 7, 1.0
 
 
 class SweepWork(NamedTuple):
@@ -45,9 +49,13 @@ def environment() -> dict[str, str]:
 
 def perform(work: SweepWork, start: int, stop: int) -> bytes:
     """The rows of some scenarios as the bytes of a Parquet file."""
+    return pack(_rows(work, start, stop))
+
+
+def _rows(work: SweepWork, start: int, stop: int) -> pa.Table:
     if work.solver == REFERENCE:
-        return pack(table.scenario_rows(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
-    return pack(of_engine(work, start, stop))
+        return table.scenario_rows(work.plan, start, stop, len(work.plan) >= MANY, work.certified)
+    return of_engine(work, start, stop)
 
 
 def pack(rows: pa.Table) -> bytes:
@@ -57,18 +65,32 @@ def pack(rows: pa.Table) -> bytes:
     return stream.getvalue()
 
 
-def rate(work: SweepWork) -> float:
-    """Scenarios per second of one core's CPU time, measured on a few ranges of the plan without compilation."""
-    n, few = len(work.plan), 1 if work.solver != REFERENCE else 64
-    starts = sorted({0, n // 3, 2 * n // 3, max(n - few, 0)})
-    perform(work, starts[0], min(starts[0] + few, n))
-    began, completed = time.process_time(), 0
-    for start in starts:
-        perform(work, start, min(start + few, n))
-        completed += min(start + few, n) - start
-        if time.process_time() - began > 5.0:
+class Pilot(NamedTuple):
+    """What a few scenarios of a plan show: seconds of CPU time for each, whether they are simulated one by one, how
+    many were tried, and if none of them is a scene the most frequent reason."""
+
+    seconds: float
+    one_by_one: bool
+    trials: int
+    no_scene: str
+
+
+def pilot(work: SweepWork) -> Pilot:
+    """Try ranges of a plan at PLACES even places, each twice as long as the one before: only long ones show the pace of
+    scenarios that are simulated together. It ends once a range took ENOUGH seconds and has a scene. The first one also
+    compiles, so its time does not count if there is another."""
+    n, size, trials, reasons = len(work.plan), 1, 0, Counter[str]()
+    for place in range(PLACES):
+        start, began = max(min(place * n // PLACES, n - size), 0), time.process_time()
+        rows = _rows(work, start, min(start + size, n)).to_pylist()
+        seconds = time.process_time() - began
+        trials += len(rows)
+        reasons.update(row["reason"] for row in rows if row["outcome"] == table.BAD)
+        if trials >= n or (place > 0 and seconds > ENOUGH and reasons.total() < trials):
             break
-    return completed / max(time.process_time() - began, 1e-6)
+        size *= 2
+    text = reasons.most_common(1)[0][0] if reasons.total() == trials else ""
+    return Pilot(seconds / len(rows), all(row.get("alone", True) for row in rows), min(trials, n), text)
 
 
 def failure_text(work: SweepWork, number: int, outcome: str, reason: str) -> bytes:

@@ -39,12 +39,18 @@ class Folder(OwnedFolder):
             if self.fresh:
                 self.clear()
             other = _first_difference(self.value("asked"), json.loads(json.dumps(identity)))
-            if other and not self.is_empty:
+            if other and not self.is_empty and not self._has_rows:
+                self.clear()  # of a sweep that ended before its first part
+            elif other and not self.is_empty:
                 raise BadValue(
                     f"{self.path} holds another sweep ({other}); give another --out, or --fresh to delete its files"
                 )
             self.record({"asked": identity})
             yield
+
+    @property
+    def _has_rows(self) -> bool:
+        return any(self.path.glob("*/part-*.parquet"))
 
     def _entries(self) -> dict[str, Any]:
         file = self.path / RECORD

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import time
 
 import numpy as np
@@ -154,3 +156,73 @@ def test_an_engines_rows_have_the_grades_of_a_report():
         assert row["off"] == pytest.approx(run.score.off, rel=1e-5)
         assert row["friction_factor"] == pytest.approx(run.friction_factor, rel=1e-5)
         assert row["reason"] == run.reason
+
+
+OWN = '''
+from cases import case, disc, load
+
+@case
+def thin(mu=0.1, slip=0.2):
+    """A disc whose radius is negative for every parameter."""
+    disc(-1.0 - mu, 1.0)
+
+@case
+def half(mu=0.1, v0=1.0):
+    """A disc on a line that is a scene for some coefficients alone."""
+    if mu < 0.15:
+        disc(-1.0 - mu, 1.0)
+    return load("disc_on_line", mu=mu, v0=v0)
+'''
+
+
+def test_what_applies_to_all_scenarios_ends_the_sweep_at_once(tmp_path, monkeypatch, capsys, at_once):
+    """It took 5 minutes to say "no such scene" 10,000 times, with exit status 0."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.py").write_text(OWN.replace("half", "some"))
+    began = time.process_time()
+    assert sweep.main(["own.py:thin", "--vary", "mu=0.1:0.2:1000", "--vary", "slip=0:1:1000"]) == 2
+    assert time.process_time() - began < 20.0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "none of" in line]
+    assert "none of 127 scenarios tried, of 1,000,000: radius of the disc is -1." in line
+    # The folder takes the next sweep.
+    assert sweep.main(["own.py:some", "--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2"]) == 0
+
+
+def test_a_summary_has_the_reasons_with_their_counts(tmp_path, monkeypatch, capsys, at_once):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "half.py").write_text(OWN.replace("thin", "none"))
+    words = ["half.py:half", "--vary", "mu=0.1:0.2:5", "--vary", "v0=1:2:2"]
+    assert sweep.main(words) == 0
+    said = capsys.readouterr()
+    assert "6  slips forward, then rolls" in said.out
+    assert "4  bad_case: radius of the disc is -1.1; give a number greater than zero" in said.out
+    assert re.search("reference: .* of CPU time per scenario; 10 take about 5 s with ", said.err)
+    assert sweep.main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["kinds"] == {"slips forward, then rolls": 6, "no such scene": 4} and found["made_now"] == 0
+    assert [(one["outcome"], one["scenarios"]) for one in found["reasons"]] == [("bad_case", 4)]
+
+
+def test_engines_are_summarised_and_none_that_answers_is_status_3(tmp_path, monkeypatch, capsys, at_once):
+    monkeypatch.chdir(tmp_path)
+    few = ["--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2", "--solver", "pymunk"]
+    assert sweep.main(["disc_on_line", *few]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "median" in line and "assisted" in line]
+    answers, off = line.removeprefix("pymunk, assisted: ").split("; median off ")
+    assert sum(int(number) for number in re.findall("[0-9]+", answers)) == 4 and off.endswith(" %")
+    refused = "the engine has no such wheel"
+    monkeypatch.setattr(parts, "refusal", lambda *_: refused)
+    assert sweep.main(["disc_on_line", *few, "--fresh"]) == 3
+    said = capsys.readouterr().out
+    assert "pymunk, native: 4 unsupported" in said and f"4  unsupported: {refused}" in said
+
+
+@pytest.mark.parametrize(
+    ("case", "vary", "one_by_one"),
+    [("disc_in_circle", "xi1=0.1:0.5:100", False), ("stribeck_disc", "low=0.1:0.2:100", True),
+     ("sliding_box", "mu=0.1:0.2:100", True), ("driven_disc", "mu=0.1:0.3:100", True)],
+)  # fmt: skip
+def test_every_effect_is_swept_and_the_trial_says_how(case, vary, one_by_one):
+    name, _, values = vary.partition("=")
+    tried = parts.pilot(SweepWork(plan(case, {name: values})))
+    assert tried.one_by_one == one_by_one and not tried.no_scene and 0.0 < tried.seconds < 10.0

@@ -20,6 +20,7 @@ SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.sh"))
 # What differs from run to run or between machines, and what stands for it in a record.
 VOLATILE = (
     (r"^[^:$\n]+: \d+ of \d+(?:, about .* left)?\n", ""),  # progress
+    (r"^[^:$\n]+: \S+ (?:s|ms|µs) of CPU time per scenario.*\n", ""),  # the pace of a sweep
     (r"\d+(?:\.\d+)? s, \d+(?:\.\d+)? s of CPU time", "# s, # s of CPU time"),
     (r"\(since [^)]*\)", "(since #)"),
     (r"skipped in .*", "skipped in #"),
