@@ -1,6 +1,5 @@
 """Signorini's and Coulomb's laws at the contacts of a motion, at the nodes of its steps and, for what must not change
-its
-sign, between them."""
+its sign, between them."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ from .meetings import meetings
 from .next_motion import Consistent, NextMotions, next_motions
 from .penetration import corners_of, distance
 from .samples import CLOSE, MotionSamples, law_at
-from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP
+from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP, TOUCHES
 from .touches import TouchNow, is_at_joint, plates_at, row_of, touch, touches_at
 
 # Accelerations that differ by less than this part of the largest are one.
@@ -39,8 +39,6 @@ AT_END = 1e-12
 # Of a normal equation that is so nearly singular no program finds the forces: Painlevé's paradox.
 SINGULAR = 1e5
 MEETINGS = (LANDING_END[0], FLAT[0])
-# A gap that is none, in parts of the scene's size.
-MEETS = 1e-9
 # Points of a pair closer than this part of the plate's size are one.
 APART = 1e-5
 CURVE_ENDS = (ENDS["track_end"][0], ENDS["outline_end"][0])
@@ -199,7 +197,7 @@ def _curve_end(samples: MotionSamples, end: float, is_track: bool) -> Iterator[D
 
 def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
     """A plate meets a curve or another plate in a place where it is not in contact."""
-    yield _one("plate meets a curve", "", end, _least_gap(samples), scales.extent, "m", MEETS)
+    yield _one("plate meets a curve", "", end, _least_gap(samples), scales.extent, "m", TOUCHES)
 
 
 def _least_gap(samples: MotionSamples) -> float:
@@ -221,5 +219,5 @@ def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) ->
     return (
         bool(samples.case.others)
         or is_impact(samples, scales, rtol)
-        or _least_gap(samples) < (MEETS + PARTS * rtol) * scales.extent
+        or _least_gap(samples) < (TOUCHES + PARTS * rtol) * scales.extent
     )

@@ -17,7 +17,7 @@ from ..endings import CAUSES
 from . import chebyshev
 from .laws import SENSE, STICKING, Defects, MotionScales, force_scale_at, relative_spin
 from .samples import CLOSE, MIDDLE, ContactInstants, MotionSamples, law_at
-from .tolerances import AMPLIFICATION, CLOSED, EPS
+from .tolerances import AMPLIFICATION, CLOSED, EPS, STILL
 from .touches import JOINT, bend_at, is_at_joint, plates_at, row_of, to_joint, touch
 
 # A quantity that falls by less than this part of its scale in a step grazes zero: its slope is no measure of time.
@@ -167,8 +167,8 @@ def _landing(
     floor = LANDING + AMPLIFICATION * float(scales.condition[step])
     yield Defects("curves meet", law.name, when, np.array([abs(met.gap)]), scales.extent, "m", floor)
     if not with_others:
-        yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)
-    if rate < -1e-9 * scales.speed:
+        yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", STILL)
+    if rate < -STILL * scales.speed:
         # Also what roundings of the gap, and the motion's error, make of it.
         last, late = float(samples.end[-1]), scales.extent / -rate
         part = (floor * last + CLOSED * late) / (last + late)

@@ -46,9 +46,7 @@ def finer_steps(
     case: Case, motion: Trajectory, samples: MotionSamples, scales: MotionScales
 ) -> tuple[np.ndarray, np.ndarray]:
     """Starts and ends (s) of the parts of those steps that have to be divided."""
-    cuts: list[tuple[np.ndarray, np.ndarray]] = [
-        _cuts(samples, one) for one in _path_formulas(case, motion, samples, scales)
-    ]
+    cuts = [_cuts(samples, one) for one in _path_formulas(case, motion, samples, scales)]
     steps = np.concatenate([c[0] for c in cuts]) if cuts else np.array([], dtype=int)
     if not len(steps):
         return np.array([]), np.array([])

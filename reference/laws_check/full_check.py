@@ -62,13 +62,14 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float, poses: float) -> tup
         return ()
     samples = of_motion(case, motion, start, end)
     scales = laws.motion_scales(samples, poses)
+    every = laws.joins(samples)
+    sudden = laws.jumps(every, scales.reach, scales.speed, laws.sudden_part(scales, rtol))
+    samples = samples._replace(is_straight=samples.is_straight | _nested_rests(samples, sudden.times))
     results = list[BrokenLaw]()
     for defects in _motion_defects(samples, scales):
         if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol, poses)):
             results.append(closer)
-    finer, every = _finer(case, motion, samples, scales), laws.joins(samples)
-    sudden = laws.jumps(every, scales.reach, scales.speed, laws.sudden_part(scales, rtol))
-    if finer is not None:
+    if (finer := _finer(case, motion, samples, scales)) is not None:
         own = laws.motion_scales(finer, poses)
         of_finer = chain(_motion_defects(finer, own), _of_contacts(finer, own, sudden))
         results += [one for defects in of_finer if (one := worst(defects, rtol))]
@@ -175,6 +176,16 @@ def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) ->
     last = np.array([_rest_after(samples.transitions, t) for t in others.tolist()])
     start = samples.start[steps]
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
+
+
+def _nested_rests(samples: MotionSamples, sudden: np.ndarray) -> np.ndarray:
+    """Which steps go from the last of small impacts to their end, within a series of others that is not listed."""
+    is_rest = ~_is_listed(samples, sudden, np.arange(len(samples.start)))
+    is_rest &= np.isin(samples.start, sudden) & ~np.isin(samples.end, sudden)
+    for step in np.flatnonzero(is_rest):
+        limits = limit_of_impacts(float(samples.end[step]), "", sudden, float(samples.end[-1]))
+        is_rest[step] = [worst(one, 0.0) for one in limits] == [None]
+    return is_rest
 
 
 def _rest_after(transitions: Sequence[Transition], t: float) -> float:

@@ -16,19 +16,17 @@ from .contact_impulse import impulse_of_one, impulses_at_once
 from .laws import Defects, Joins, MotionScales
 from .meetings import meetings
 from .samples import CLOSE, MotionSamples, PlateSamples, contact_of, law_at
-from .tolerances import AMPLIFICATION, CLOSED, PARTS
+from .tolerances import AMPLIFICATION, CLOSED, PARTS, STILL, TOUCHES
 from .touches import TouchNow, couple_row, largest_rate, masses, plates_at, touch, touches_at
 
-# Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
-ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
+# Parts of the speed: an impact at one contact, and at several by linear programs.
+ONE, SEVERAL = 1e-11, 1e-8
 # Rebounds at several contacts that are slower than this part of the largest speed have no end that is known
 # (solver/impact_ends.py): contacts that would open so slowly stay closed. What changes velocities by at most a hundred
 # times as much is compared to within it.
 ABSORBED, OF_ABSORBED = 1e-7, 100.0
 # The slips of impacts that follow each other, in parts of the way from that before them to that after them.
 PARTS_OF_SLIP = np.linspace(-1.0, 2.0, 13)
-# A gap below this part of the scene's size is closed.
-TOUCHES = 1e-9
 
 
 def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
@@ -59,23 +57,18 @@ def passes_piece(samples: MotionSamples, time: float) -> bool:
 
 
 def impact_at(
-    samples: MotionSamples,
-    scales: MotionScales,
-    plates: tuple[PlateSamples, PlateSamples],
-    step: int,
-    time: float,
+    samples: MotionSamples, scales: MotionScales, plates: tuple[PlateSamples, PlateSamples], step: int, time: float,
     rtol: float,
-) -> Iterator[Defects]:
+) -> Iterator[Defects]:  # fmt: skip
     """The law of an impact at the start of a step, from the velocities before to those after it."""
     places = places_of_impact(samples, scales, plates[0], step, time, rtol)
     near = CLOSE * float(samples.end[-1])
     is_listed = time == 0.0 or any(abs(change.time - time) <= near for change in samples.transitions)
     if is_listed or len(samples.motion.contact_names) == 1:
-        groups = groups_of(places)
-        every = [d for group in groups for d in _one_impact(samples, scales, group, plates, step, time, rtol)]
+        every = [d for some in groups_of(places) for d in _one_impact(samples, scales, some, plates, step, time, rtol)]
         if any(worst(one, rtol) for one in every) and (more := _unlisted(samples, scales, plates[0], places, time)):
             groups = groups_of([*places, *more])
-            every = [d for group in groups for d in _one_impact(samples, scales, group, plates, step, time, rtol)]
+            every = [d for some in groups for d in _one_impact(samples, scales, some, plates, step, time, rtol)]
         yield from every
 
 
@@ -170,7 +163,7 @@ def _impact_of_several(
     count, limit = len(before.place), (STILL + floor) * scales.speed
     unit, columns = np.tile([1.0, 1.0, 1.0 / scales.size], count), list[np.ndarray]()
     # A contact that opens before the impact is touched by what another one does at the same instant: several follow.
-    follow = any(float(one.across @ before.rates) > limit for one in places)
+    follow = any(float(one.across @ before.rates) > ONE * scales.speed for one in places)
     for one in places:
         law, impact = one.law, one.law.impact
         closing, opening = float(one.across @ before.rates), float(one.across @ after.rates)
@@ -201,7 +194,7 @@ def _impact_of_several(
     largest = max(float(np.abs(rest).max()), np.finfo(float).tiny)
     change, off = largest_rate(own * (after.rates - before.rates), scales.size) / scales.speed, 1.0
     # Velocities have the error of those of an impact at one contact: of small impulses it is a larger part.
-    missing = (ABSORBED if change <= OF_ABSORBED * ABSORBED else ONE) / change
+    missing = (ABSORBED if change <= OF_ABSORBED * ABSORBED else ONE + floor) / change
     if columns:
         from scipy.optimize import linprog  # takes a tenth of a second to import
 

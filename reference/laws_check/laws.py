@@ -255,11 +255,7 @@ def condition_numbers(samples: MotionSamples) -> np.ndarray:
     result = np.ones(len(samples.start))
     for contact in samples.contacts:
         law = contact.law
-        below = (
-            -law.track.curvature(contact.xi1.ravel())
-            if law.base is not None
-            else law.track.curvature(contact.xi1.ravel())
-        )
+        below = law.track.curvature(contact.xi1.ravel()) * (-1.0 if law.base is not None else 1.0)
         above = law.outline.curvature(contact.xi2.ravel())
         sizes = (np.abs(below) + np.abs(above)) / np.abs(above - below)
         ratio = np.where(np.isfinite(sizes), sizes, 1.0).reshape(contact.xi1.shape).max(axis=1)

@@ -1,6 +1,5 @@
 """Which motions are consistent at an instant: for each choice of modes of the touching contacts a linear program for
-the
-accelerations and contact forces that obey the laws just after it, with the margin by which they do."""
+the accelerations and contact forces that obey the laws just after it, with the margin by which they do."""
 
 from __future__ import annotations
 
@@ -17,12 +16,11 @@ from cases.scene.free_plates import loads_of, plates_of
 from .chebyshev import AMPLIFICATION, RATES
 from .laws import MotionScales, load_at, own_force
 from .samples import MotionSamples, PlateSamples, law_at
-from .tolerances import EPS
+from .tolerances import EPS, STILL, TOUCHES
 from .touches import TouchNow, bend_at, couple_row, is_at_joint, largest_rate, masses, plates_at, touch, touches_at
 
-# Laws hold strictly with this margin, in parts of the largest acceleration; an open contact is one within this part of
-# the scene's size, which does not part.
-STRICT, NEAR = 1e-7, 1e-9
+# Laws hold strictly with this margin, in parts of the largest acceleration.
+STRICT = 1e-7
 # Two contacts of a pair that are nearer to each other, in parts of a plate's size, change their names next.
 ALMOST_ONE = 1e-4
 # Of more choices of modes than this nothing is said.
@@ -49,9 +47,8 @@ class NextMotions(NamedTuple):
 
 class _Candidate(NamedTuple):
     """A touching contact, with what its relative accelerations are besides those of the plates' own: the rate of slip
-    is
-    `along`·a − `slip_rate`, that of the opening `across`·a − `opening_rate`; `own`: generalised forces of effects of
-    packages; `spin`: the plate's rotation against its base, rad/s."""
+    is `along`·a − `slip_rate`, that of the opening `across`·a − `opening_rate`; `own`: generalised forces of effects
+    of packages; `spin`: the plate's rotation against its base, rad/s."""
 
     touch: TouchNow
     slip: float
@@ -84,15 +81,11 @@ def next_motions(samples: MotionSamples, scales: MotionScales, t: float, is_end:
     choices = [_choices(place, small, case.effect(Unilateral) is not None) for place in places]
     if np.prod([len(c) for c in choices], dtype=float) > MOST_CHOICES:
         return None
-    every = [
-        result
-        for modes in product(*choices)
-        if (result := _solve(case, places, modes, force, unit, largest, small)) is not None
-    ]
+    every = [_solve(case, places, modes, force, unit, largest, small) for modes in product(*choices)]
     noise = 1e-5 + 4 * EPS * AMPLIFICATION * float(scales.condition[step]) * scales.speed / (
         samples.length[step] * largest
     )
-    return NextMotions(every, claim * unit, noise)
+    return NextMotions([one for one in every if one is not None], claim * unit, noise)
 
 
 def _weight_and_load(case: Case, t: float, plates: PlateSamples) -> np.ndarray:
@@ -120,46 +113,49 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
     if node == 0 and step > 0:
         for one in touches_at(samples, step - 1, -1):
             again = touch(case, one.law, Mode.FLIGHT, plates, one.xi1, one.xi2, t)
-            if one.law.name not in names and abs(float(again.across @ plates.rates)) <= NEAR * scales.speed:
+            if one.law.name not in names and abs(float(again.across @ plates.rates)) <= STILL * scales.speed:
                 every.append(again)
     start = case.start
     if t == 0.0 and start.in_contact and start.xi2 is not None and CONTACT not in names:
         first = touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates, start.xi1, start.xi2, t)
-        if abs(float(first.across @ plates.rates)) <= NEAR * scales.speed:
+        if abs(float(first.across @ plates.rates)) <= STILL * scales.speed:
             every.append(first)
     result, points = list[_Candidate](), list[tuple]()
     for one in every:
         curves = one.law.body, one.law.base, one.law.track
         apart = min((abs(one.point - point) for other, point in points if curves == other), default=np.inf)
-        if apart < NEAR * scales.extent:
+        if apart < TOUCHES * scales.extent:
             continue  # one place with two names
         if apart < ALMOST_ONE * scales.size:
             return None
         points.append((curves, one.point))
-        place = _candidate(one, plates, t)
+        place = _candidate(one, plates, t, scales.speed)
         if place is None:
             return None
         result.append(place)
     return result
 
 
-def _candidate(one: TouchNow, plates: PlateSamples, t: float) -> _Candidate | None:
+def _candidate(one: TouchNow, plates: PlateSamples, t: float, scale: float) -> _Candidate | None:
     """The second-order terms at a contact: its point moves along both curves, whose tangents turn."""
     law = one.law
     if is_at_joint(law.track, one.xi1):
         return None
     below = bend_at(law.track, one.xi1) * (-1.0 if law.base is not None else 1.0)
+    spin = float(plates.spin[law.body])
+    base_spin = float(plates.spin[law.base]) if law.base is not None else 0.0
+    speed, opening = float(one.along @ plates.rates), float(one.across @ plates.rates)
     above = bend_at(law.outline, one.xi2)
     if is_at_joint(law.outline, one.xi2):
         sides = [bend_at(law.outline, one.xi2 + step) for step in (-1e-7, 1e-7)]
         if np.inf not in sides and sides[0] != sides[1]:
             return None
-        above = np.inf if np.inf in sides else above
+        # A corner goes on to the side that the tangent turns to.
+        turning = base_spin + below * speed - spin
+        ahead = sides[int(turning > 0.0)] if abs(turning) * law.outline.sizes[0] > STILL * scale else np.inf
+        above = ahead if np.inf in sides else above
     if np.isinf(below) and np.isinf(above) or not (above > below or np.isinf(below)):
         return None
-    spin = float(plates.spin[law.body])
-    base_spin = float(plates.spin[law.base]) if law.base is not None else 0.0
-    speed, opening = float(one.along @ plates.rates), float(one.across @ plates.rates)
     # The rate of the contact point along its base, and of the tangent's angle.
     if np.isinf(above):
         along, turning = speed, base_spin + below * speed
@@ -181,14 +177,8 @@ def _candidate(one: TouchNow, plates: PlateSamples, t: float) -> _Candidate | No
     for effect in own_effects(law.effects):
         tangential, normal, couple = (float(np.asarray(v)) for v in own_force(effect)(t, one.slip, spin - base_spin))
         forces += tangential * one.along + normal * one.across + couple * couple_row(law, len(plates.place))
-    return _Candidate(
-        one,
-        one.slip,
-        belt_rate - extra.real - turning * opening,
-        turning * speed - extra.imag,
-        forces,
-        spin - base_spin,
-    )
+    rates = belt_rate - extra.real - turning * opening, turning * speed - extra.imag
+    return _Candidate(one, one.slip, *rates, forces, spin - base_spin)
 
 
 def _choices(place: _Candidate, small: float, is_unilateral: bool) -> list[tuple]:
@@ -196,10 +186,10 @@ def _choices(place: _Candidate, small: float, is_unilateral: bool) -> list[tuple
     law, slip = place.touch.law, place.slip
     if law.friction is None and not law.is_rough:
         modes: list = ["slide"]
-    elif abs(slip) > small:
-        modes = [float(np.sign(slip))]
+    elif law.is_rough:
+        modes = ["stick"]
     else:
-        modes = ["stick"] if law.is_rough else [1.0, -1.0, "stick"]
+        modes = [float(np.sign(slip))] if abs(slip) > small else [1.0, -1.0, "stick"]
     turns: list = [None]
     if law.arm:
         reach = place.touch.law.outline.sizes[0]

@@ -95,26 +95,35 @@ def _in_curve(
         return
     if corners is None or near is None:
         return
-    rows = (one.place.real, one.place.imag, np.angle(one.turn))
-    x, y, theta = (np.ravel(row) for row in rows)
-    when, first = times.ravel(), 0
-    for _ in range(MEASURED):
-        overlap = first_overlap(curve, plate.outline, x[first:], y[first:], theta[first:], near)
+    rows = (one.place.real, one.place.imag, np.angle(one.turn), times)
+    x, y, theta, when = (np.ravel(row) for row in rows)
+    for number in range(MEASURED + 1):
+        overlap = first_overlap(curve, plate.outline, x, y, theta, near) if len(x) else None
         if overlap is None:
             return
-        number, xi1 = first + overlap[0], overlap[1]
-        pose = float(x[number]), float(y[number]), float(theta[number])
+        if not number and curve.ends is not None:  # the rest is looked at where no end is inside the plate
+            x, y, theta, when = (row[~_has_end(curve, corners, x, y, theta)] for row in (x, y, theta, when))
+            continue
+        i, xi1 = overlap
+        pose = float(x[i]), float(y[i]), float(theta[i])
         gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
         if min(gaps, default=0.0) >= 0.0 and not isinstance(curve, Chain):  # as of a ripple narrower than it is deep
-            there = curve.point(np.array([xi1, *(curve.ends or ())]))
-            own = (there[0] + 1j * there[1] - complex(pose[0], pose[1])) * np.exp(-1j * pose[2])
-            depth, *of_ends = -distance(own, corners)
-            gaps += [] if any(deep > 0.0 for deep in of_ends) else [-abs(depth)]  # passing an end is no overlap
+            gaps.append(-abs(float(distance(_in_frame(curve, xi1, *pose), corners))))
         if gaps:
-            yield Depth(pair, when[number : number + 1], -np.array([min(gaps)]))
-        first = number + 1
-        if first >= len(x):
-            return
+            yield Depth(pair, when[i : i + 1], -np.array([min(gaps)]))
+        x, y, theta, when = (row[i + 1 :] for row in (x, y, theta, when))
+
+
+def _in_frame(curve: Curve, s: Any, x: Any, y: Any, theta: Any) -> Any:
+    """A point of a curve in the frame of a plate, complex."""
+    point = curve.point(np.array([s]))
+    return (point[0, 0] + 1j * point[1, 0] - (x + 1j * y)) * np.exp(-1j * theta)
+
+
+def _has_end(curve: Curve, corners: np.ndarray, x: np.ndarray, y: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """In which poses an end of a curve is inside a plate: plates do not land on it, and what it passes into is no
+    overlap."""
+    return np.any([distance(_in_frame(curve, end, x, y, theta), corners) < 0.0 for end in curve.ends or ()], axis=0)
 
 
 def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSamples]) -> np.ndarray | None:

@@ -1,9 +1,9 @@
 """The tolerances of the check of laws: the part of a scale up to which a defect is an error of a motion.
 
 The check of every motion (`part_of`) is for laws that are broken, not for their last digits. Over the catalogue the
-defects of motions at the default
-tolerance are 1e-13 of their scale in the median. Where curvatures nearly agree, or the normal equation is nearly
-singular, the rounding of forces is amplified to 8e-9. The error of a step of DOP853 at 1e-6 is up to 2e-5.
+defects of motions at the default tolerance are 1e-13 of their scale in the median. Where curvatures nearly agree, or
+the normal equation is nearly singular, the rounding of forces is amplified to 8e-9. The error of a step of DOP853 at
+1e-6 is up to 2e-5.
 """
 
 from __future__ import annotations
@@ -31,5 +31,7 @@ AMPLIFICATION = 100 * EPS
 OVERLAPS = 3e-10
 # Poses that a moving track turns back: roundings of its own place and angle, ten times those of the case's frame.
 DRIVEN = 3e-12
+# A gap that is none, in parts of the scene's size, and a velocity that is none, in parts of the speed.
+TOUCHES, STILL = 1e-9, 1e-9
 # What is left of a series of impacts where it ends: a hop of roundings.
 SERIES = 1e-9

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from math import cos, inf, sin
+from math import cos, inf, pi, sin
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from cases import (
     disc,
 )
 from cases.effects import Effect
+from cases.library import hill
 from tests.composition.build import first_scene
 from tests.scenes import loads, slip_laws
 from tests.scenes import planted_motions as planted
@@ -81,11 +82,20 @@ def corner_off_corner(*effects: Effect) -> Case:
 
 
 @cache
-def off_a_support() -> Case:
-    """A disc rolls to the end of a support."""
+def off_a_support(start: StartPose | None = None) -> Case:
+    """A disc rolls to the end of a support, or falls on it."""
     shelf = Support(Curve(("s", "0"), (-3.0, 0.0)), "shelf")
     effects = Gravity(planted.G), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.0)
-    return Case(Curve(("s", "-2")), disc(0.1, 1.0), effects, StartPose(-0.3, 0.1, vx=1.5), 0.4, supports=(shelf,))
+    start = start or StartPose(-0.3, 0.1, vx=1.5)
+    return Case(Curve(("s", "-2")), disc(0.1, 1.0), effects, start, 0.4, supports=(shelf,))
+
+
+@cache
+def onto_a_side() -> Case:
+    """A box on a hill whose corner is to touch with a side next; static friction holds it."""
+    effects = Gravity(planted.G), CoulombFriction(0.05, mu_static=0.5), Unilateral()
+    start = Start(0.05, xi2=0.2 + pi / 2, omega=-0.5)
+    return Case(hill(1.0), Plate.rectangle(0.2, 0.1, 1.0), effects, start, 0.05)
 
 
 def _heavier_other(case: Case) -> Case:
@@ -153,6 +163,9 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "ripple of a micrometre on the track ignored": (planted.rolled_over, planted.flat),
     "second contact with a hump missed": (planted.hump, planted.flat),
     "support passed through": (planted.at_wall, lambda c: replace(c, supports=())),
+    "support passed through beside its end": (
+        lambda: off_a_support(StartPose(-0.05, 0.15)), lambda c: replace(c, supports=())
+    ),
     "sticks where it must reverse": (catalogue("disc_in_circle", mu=0.1), alter(CoulombFriction, mu_static=5.0)),
     # impacts
     "an impact without friction": (catalogue("thrown_with_spin", backspin=2), instead(CoulombFriction(1e-12))),
@@ -160,6 +173,10 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "no friction at the second contact": (
         catalogue("disc_between_belt_and_wall"),
         lambda c: replace(c, supports=tuple(replace(one, effects=()) for one in c.supports)),
+    ),
+    "begins without static friction, with a side": (onto_a_side, alter(CoulombFriction, mu_static=None)),
+    "restitution of a series within another one a millionth": (
+        lambda: first_scene(200000822), alter(Impact, restitution=plus(1e-6))
     ),
     "begins with static friction": (planted.on_slope(0.2, -0.3), alter(CoulombFriction, mu_static=0.4)),
 }  # fmt: skip
@@ -170,6 +187,9 @@ FAULTS = {name: Fault(of, scene(change)) for name, (of, change) in DATA.items()}
     "lift-off a millisecond early": Fault(HILL, ends(-1e-3, "lift_off", after=True)),
     "lift-off a nanosecond early": Fault(HILL, ends(-1e-9, "lift_off", after=True)),
     "lift-off a microsecond late": Fault(HILL, ends(1e-6, "lift_off", after=True, of=without(Unilateral))),
+    "a perfectly rough contact would pull, a microsecond early": Fault(
+        lambda: first_scene(4091691), ends(-1e-6, "paradox", after=True)
+    ),
     "completed before its duration": Fault(CIRCLE, ends(2.0)),
     "completed a picosecond early": Fault(STOPS_AT_END, ends(-1e-12, after=True)),
     "lift-off where the track presses": Fault(CIRCLE, ends(0.3, "lift_off")),
