@@ -254,6 +254,7 @@ def _is_admissible(bounds: list[tuple[np.ndarray, float]], impulses, free, small
         return bool((room >= 0.0).all())
     # The solver's tolerance is 1e-7 in the units that it gets: those of the impulses.
     scale, gains = float(np.abs(room).max()), matrix @ free
+    gains = np.where(np.abs(gains) > ROUNDING * np.abs(matrix).max(), gains, 0.0)  # the basis has length 1
     if free.shape[1] == 1:  # gains x >= -room: an interval
         gains, room = gains[:, 0], room / scale + WITHIN
         up, down = gains > 0.0, gains < 0.0
