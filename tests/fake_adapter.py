@@ -29,7 +29,6 @@ from cases import Cost, State, Trajectory
 
 NAME = "fake"
 routes = ("native",)
-SLIP_LAWS = routes  # it runs every stage of `effect_costs`
 HERE = Path(__file__).parent
 CASE = "disc_on_line[mu=0.1]"
 

@@ -128,11 +128,3 @@ def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, 
     with AdapterProcess(str(file), limit=20.0) as adapter:
         tried = list(adapter.try_laws("native", laws))
     assert [result for _, result, _ in tried] == ["kept", outcome, "kept"], tried
-
-
-@pytest.mark.slow
-def test_an_adapter_whose_import_ends_the_process_is_one_sentence(tmp_path):
-    file = tmp_path / "dies.py"
-    file.write_text("import os\nos._exit(3)\n")
-    with pytest.raises(ImportError, match="crashed while it is imported: its process ended with exit code 3"):
-        AdapterProcess(str(file))

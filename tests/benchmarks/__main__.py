@@ -1,11 +1,10 @@
 """`python -m tests.benchmarks NAME`: measurements of the suite itself, and of what no engine changes.
 
-Tables go to the terminal, with `--out` figures to a folder.
+Tables go to the terminal.
 """
 
 import argparse
 from importlib import import_module
-from pathlib import Path
 
 import pandas as pd
 
@@ -24,19 +23,15 @@ def main() -> None:
     parser.add_argument("--case", nargs="+", default=[], help="cases, where the measurement has none of its own")
     parser.add_argument("--solver", nargs="+", default=options.solvers(), help="solvers (default: all)")
     parser.add_argument("--full", action="store_true", help="more sizes and tolerances, and more precise times")
-    parser.add_argument("--out", type=Path, help="folder of the figures")
     arguments = parser.parse_args()
     study = import_module(MOVED[arguments.NAME])
     chosen = tuple(case for name in arguments.case for case in cases.select(name))
     with Display() as display, Calls(1, progress=display) as calls:
         request = Request(chosen, calls.present(arguments.solver), arguments.full)
         findings = study.run(request, calls)
-    for name, rows in study.rows(findings).items():
-        print(f"{study.TABLES[name].holds}\n{text.plain(pd.DataFrame(rows))}\n")
-    if arguments.out and hasattr(study, "draw"):
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        for figure in study.draw(findings, arguments.out):
-            print(f"{figure.title}: {arguments.out / figure.name}.svg")
+    tables = study.rows(findings) if hasattr(study, "rows") else findings
+    for name, rows in tables.items():
+        print(f"{name}\n{text.plain(pd.DataFrame(rows))}\n")
 
 
 if __name__ == "__main__":

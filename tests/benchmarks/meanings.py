@@ -6,14 +6,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from adapters.processes.worker import CallResult
 from cases.files.command_line import status
-from reports.analysis.columns import Table
-from reports.drawing.figure_files import FigureEntry
 from reports.running.calls import Calls
 from reports.running.names import REFERENCE
 from reports.running.solvers import names as all_solvers
@@ -27,18 +24,9 @@ QUESTION = (
     "how it uses them. If an engine uses a different law from the case's, the run is made and marked."
 )
 
-COLUMNS = {
-    "solver": "the engine",
-    "outcome": "done, crashed or timed_out: the outcome of the request to its adapter",
-    "route": "the routes of its adapter to which the row applies",
-    "effect": "the effect of a case",
-    "parameter": "the engine's name for it, and the value passed",
-    "law": "how the engine uses it; if its adapter does not report that, the reason",
-    "duration": "how long an impact lasts in the engine; empty for other effects",
-}
+COLUMNS = ("solver", "outcome", "route", "effect", "parameter", "law", "duration")
 # Columns of the page for the repository, which is made on a machine with all engines.
 IN_TEXT = ("solver", "route", "effect", "parameter", "law", "duration")
-TABLES = {"meanings": Table("What each engine's friction, restitution and rolling parameters mean", COLUMNS)}
 
 
 def of_one(name: str) -> list[dict[str, Any]]:
@@ -80,11 +68,6 @@ def _rows_of(name: str, answer: CallResult) -> list[dict[str, Any]]:
 def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
     """The table of meanings."""
     return {"meanings": findings}
-
-
-def draw(findings: list[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
-    """Write no figure: the study is a table."""
-    yield from ()
 
 
 def as_lines(findings: Sequence[dict[str, Any]]) -> list[str]:

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 from adapters import Setting
 from adapters.processes.worker import CallResult
 from cases import Case, NotSupported
-from reports.analysis.columns import Table
 from reports.judging.grades import grade
 from reports.judging.score import score
 from reports.running.calls import Calls
@@ -26,26 +25,6 @@ from reports.running.solvers import solver
 from reports.running.true_motions import true_motion
 from reports.studies import Request
 
-TABLES = {
-    "settings": Table(
-        "Rungs and settings of a grid, averaged over the cases, and the settings that beat a rung",
-        {
-            "solver": "the engine",
-            "route": "its route",
-            "place": "number of the rung or of the setting in the grid; ladder or grid if the route offers none",
-            "setting": "the setting, as it is in the first of the cases",
-            "outcome": "answered; unsupported, crashed or timed_out: no motion in one of the cases",
-            "reason": "the reason, and the case",
-            "cost": "CPU time over the case's median setting, geometric mean",
-            "off": "error as a share of the error of ignoring friction's law, geometric mean of max(off, 1e-4)",
-            "grade": "the grade of that mean",
-            "worst_off": "the largest off",
-            "cases": "number of cases, if it gave a motion in all of them",
-            "on_envelope": "whether no setting of the grid is faster and as accurate, or as fast and more accurate",
-            "beaten_by": "for a rung: the fastest setting of the grid that beats it",
-        },
-    )
-}
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (
     "disc_in_circle[mu=0.1]",

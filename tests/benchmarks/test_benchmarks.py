@@ -1,49 +1,20 @@
 """Measurements of the suite itself: their tables, the bars of the reference's cost, and that it can be measured."""
 
-from dataclasses import replace
 from math import nan
 from pathlib import Path
 
 import pytest
 
 import cases
-from adapters import Setting
 from adapters.lookup import engines
 from adapters.processes.worker import CallResult
-from cases import CoulombFriction, Gravity, Unilateral
 from reports.running.calls import Calls
-from reports.running.timing.clock import NO_TIMING
 from reports.studies import Request
 
-from . import effect_costs, meanings, paper, reference_cost, settings, uniqueness
+from . import meanings, reference_cost
 from .reference_cost import growth
 
 ROOT = Path(__file__).parents[2]
-STAGE = (0, "engine", "native")
-
-
-def test_every_column_has_its_words():
-    hung = CallResult("timed_out", reason="It hung.")
-    costs = reference_cost.CostRows(
-        [reference_cost._row("all", NO_TIMING, reason="It blew up.")],
-        reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [hung]),
-        [reference_cost._cold_row("disc_on_line", hung)],
-    )
-    unsupported = effect_costs.StageResult("unsupported")
-    rung = settings.SettingCell("disc_on_line", "engine", "native", "rung 1", Setting.of(h=0.1), "answered", 1.0, 1e-3)
-    state = uniqueness.StateRow(uniqueness.FLOOR, 0.5, 0.0625, 0.1, ("floor",))
-    for study, findings in (
-        (reference_cost, costs),
-        (effect_costs, [effect_costs._row("in_circle", STAGE, {STAGE: unsupported}, {})]),
-        (meanings, [dict.fromkeys(meanings.COLUMNS, "")]),
-        (paper, paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {})),
-        (settings, [rung]),
-        (uniqueness, [state]),
-    ):
-        tables = study.rows(findings)
-        assert tables.keys() == study.TABLES.keys()
-        for name, rows in tables.items():
-            assert all(list(row) == list(study.TABLES[name].columns) for row in rows), name
 
 
 def test_a_bar_is_passed_failed_or_not_timed():
@@ -88,11 +59,3 @@ def test_the_page_of_parameters_is_what_the_adapters_tell(name):
     kept = [line for line in page if line.startswith(f"| {name} |")]
     again = "python -m tests.benchmarks.meanings > docs/engine_parameters.md"
     assert kept == meanings.as_lines(meanings.of_one(name)), again
-
-
-def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
-    smooth, rough = ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1), Unilateral()))
-    case = cases.load("disc_in_circle", mu=0.1)
-    few, events = effect_costs.compiled_size(replace(case, effects=smooth))
-    more, more_events = effect_costs.compiled_size(replace(case, effects=rough))
-    assert 0 < few < more and events < more_events

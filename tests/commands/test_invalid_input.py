@@ -544,7 +544,7 @@ LINES = [
     ("compare old old --worse-than ten", "--worse-than is 'ten'; give a share such as 10% or 0.1"),
     ("compare old old --worse-than -5%", "expected one argument"),
     ("compare old old --worse-than=-5%", "--worse-than is '-5%'; give a share such as 10% or 0.1"),
-    ("compare old old --worse-than 10% --format yaml", "--format is 'yaml'; give one of text, json, junit"),
+    ("compare old old --worse-than 10% --format yaml", "there is no --format 'yaml'; choose from json, junit, text"),
     ("compare old old --worse-than 10% --solver nobody", "has no runs of the solver nobody"),
     ("compare old old --solver exudyn", "give --solver twice"),
     ("compare old old --solver exudyn --solver nobody", "has no rows of the solver nobody"),

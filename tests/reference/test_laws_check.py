@@ -51,7 +51,7 @@ def with_effect(case: Case, effect) -> Case:
     return replace(case, effects=(*(e for e in case.effects if type(e) is not type(effect)), effect))
 
 
-CIRCLE, BOX, FREE = "disc_in_circle[mu=0.2]", "sliding_box[mu=0.4,slope=0.2]", "disc_on_free_disc[mu=0.5]"
+CIRCLE = "disc_in_circle[mu=0.2]"
 
 
 # A wedge of two discs on a floor, at a wall: (mass of the upper disc, friction, angle of the line of centres).

@@ -12,7 +12,7 @@ from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, Watch
 
-LINE, CIRCLE = cases.load("disc_on_line", mu=0.1), cases.load("disc_in_circle", mu=0.2)
+LINE = cases.load("disc_on_line", mu=0.1)
 RUN = 0.04
 
 
@@ -132,10 +132,3 @@ def test_parts_are_found_cheapest_first_and_reported_under_each_one_s_name(watch
     assert found["dear"][0].engine == 0.5 and found["cheap"][0].engine == 0.1 and found["dear"][1] == ""
     assert found["fails"] == (None, "RuntimeError: no more")
     assert found["long"] == (None, "the time budget was used up before")
-
-
-def test_each_one_s_deadline_is_its_share_of_what_is_left(watch, monkeypatch):
-    given = []
-    monkeypatch.setattr(time_breakdown, "parts", lambda one, deadline: given.append(deadline - watch.wall))
-    time_breakdown.parts_of_all([contestant(name, 0.01) for name in "abc"], 6.0)
-    assert given == pytest.approx([2.0, 3.0, 6.0], rel=1e-6)

@@ -133,7 +133,6 @@ WALK = {
                 (r"^Off \(100 %: as bad as ignoring friction's law\)", ASSISTED, *BUILT),
                 REPORT,
             ),
-            Left("python -m tests.benchmarks effect_costs", CLONE),
         )
     ),
     "add_an_engine.md": Page(

@@ -126,12 +126,13 @@ ONLY_THERE: dict[str, Step | Left] = {
         "python -m tests.scenes.point_set_figure point_sets.png", "it draws a figure of the documentation, in a clone"
     ),
     "python -m reports.gate": Left("python -m reports.gate", "tests/reports/test_gate.py runs it"),
-    **{
-        f"python -m reports.study {name}": Left(
-            f"python -m tests.benchmarks {name}", "it says what to type in a clone: tests/reports/test_studies.py"
-        )
-        for name in ("effect_costs", "paper")
-    },
+    "python -m reference --prove disc_in_circle": Left(
+        "slip-to-roll prove disc_in_circle", "the page of proofs does it"
+    ),
+    "python -m reports.study paper": Left(
+        "python -m tests.benchmarks paper", "it says what to type in a clone: tests/commands/test_invalid_input.py"
+    ),
+    "python -m reports.study effect_costs": Left("slip-to-roll report study", "it is gone"),
     "python -m reports.studies.meanings": Left(
         "python -m tests.benchmarks.meanings", "it writes a page of the repository, in a clone"
     ),
@@ -139,7 +140,7 @@ ONLY_THERE: dict[str, Step | Left] = {
         "slip-to-roll release deposit docs/results/0.2.0", "an older name, of a folder in a clone"
     ),
     "slip-to-roll completion bash": Left(
-        "slip-to-roll completion bash", "it is gone, and says what to type: tests/reports/test_cli.py"
+        "slip-to-roll completion bash", "it is gone, and says what to type: tests/commands/test_invalid_input.py"
     ),
 }
 # Commands of its scripts that fail today, with their exit status: a report writes no LaTeX, as CHANGELOG says.

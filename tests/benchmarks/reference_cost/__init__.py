@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import cases
 from adapters import Setting
-from reports.analysis.columns import Table
 from reports.running.calls import CallResult, Calls
 from reports.running.names import REFERENCE
 from reports.running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
@@ -20,56 +19,6 @@ from reports.studies import Request
 from . import growth, process_start
 from .contestants import COEFFICIENTS, RTOL, contestants
 
-TABLES = {
-    "reference_cost": Table(
-        "CPU time of the reference and of heyoka on the paper's closed form, all compiled before",
-        {
-            "contestant": "the program and its problem",
-            "cpu_s": "CPU time, s: the median of the undisturbed repeats",
-            "cpu_low_s": "lower end of the interval expected for the median of another process, s",
-            "cpu_high_s": "its upper end, s",
-            "ratio": "CPU time over the fastest contestant's",
-            "repeats": "number of repeats behind the median",
-            "disturbed": "whether the timing was disturbed by other load",
-            "error_s": "error of the first transition's time, s; at most 1e-9 in first slip phases",
-            "reason": "the reason if there is no time",
-        },
-    ),
-    "reference_growth": Table(
-        "Cost of motions of increasing length",
-        {
-            "case": "the case",
-            "counted": "the counted quantity: periods, transitions, or seconds",
-            "size": "its number (for transitions: approximately)",
-            "cpu_s": "CPU time of the call, s: the minimum of a few",
-            "unit_s": "additional CPU time per unit, compared with the shortest motion, s",
-            "sampled_s": "CPU time of the call and of its samples, s",
-            "transitions": "transitions of the motion",
-            "steps": "steps of the integrator",
-            "memory_mb": "growth of the process's memory, MB, including samples",
-            "status": "how the motion ended, or the reason if there is no time",
-        },
-    ),
-    "reference_cold": Table(
-        "The first motion of a new process after its imports",
-        {
-            "case": "the case",
-            "cpu_s": "CPU time, s: its equations are derived and compiled; the minimum of three processes",
-            "reason": "the reason if there is no time",
-        },
-    ),
-    "reference_cost_bars": Table(
-        "Limits on the cost of the reference",
-        {
-            "what": "the limited quantity",
-            "beside": "its baseline or unit",
-            "limit": "the largest allowed value",
-            "measured": "the measured value: multiple of the baseline's CPU time, or s",
-            "outcome": "pass, fail, or not timed",
-            "remark": "the reason if a limit is known to be exceeded",
-        },
-    ),
-}
 # Wall-clock budget of the timings in seconds; a full study takes longer for more precise medians.
 BUDGET, FULL_BUDGET = 20.0, 60.0
 # Time in addition to the budget: derivations and compilations of all contestants (half a minute without other load).

@@ -11,7 +11,7 @@ from reports import animate, build, compare, compare_builds, publish, study, sub
 from ..harness import Kind, run_command
 
 WORDS = (
-    "stability", "formulations", "effect_costs", "--fresh", "--case", "--case-file", "--solver", "--quick", "--full",
+    "stability", "formulations", "paper", "--fresh", "--case", "--case-file", "--solver", "--quick", "--full",
     "--jobs", "--list", "--out", "--store", "disc_on_line", "mu=0.3", "disc_on_line[mu=0.1]", "disc_on_line[mu=-1]",
     "no_such", "reference", "exudyn", "0", "-1", "2", "nan", "99999999999", "", " ", "--", "-x", "--colour",
     "/dev/null",
