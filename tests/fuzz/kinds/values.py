@@ -3,16 +3,14 @@
 import functools
 from decimal import Decimal
 from fractions import Fraction
-from math import inf, nan, pi
+from math import inf, nan
 
 import numpy as np
 import sympy as sp
 
 import cases
-import reference
 from cases import (
     Belt,
-    Case,
     CoulombFriction,
     Curve,
     Drive,
@@ -21,13 +19,10 @@ from cases import (
     Impact,
     Load,
     PerfectlyRough,
-    Plate,
     RollingResistance,
-    Start,
     Unilateral,
-    disc,
-    library,
 )
+from tests.scenes.public_calls import CALLS
 
 from ..harness import Kind
 
@@ -41,67 +36,15 @@ ODD = (
     "__import__('os').system('false')", ["__import__('os').system('false')"],
 )  # fmt: skip
 
-CIRCLE, DISC = library.circle(1.0), disc(0.1, 1.0)
 EFFECTS = (
     Gravity(1.0), CoulombFriction(0.1), Unilateral(), Unilateral, Flight(), Impact(0.5), PerfectlyRough(),
     RollingResistance(0.1), Load(1.0), Belt(0.5), Drive("sin(t)"),
 )  # fmt: skip
 
-# Whatever is made by a call, with a right value for each argument.
-MAKERS = {
-    "Gravity": (Gravity, dict(g=9.81, direction=-pi / 2)),
-    "CoulombFriction": (CoulombFriction, dict(mu=0.2, mu_static=0.3)),
-    "RollingResistance": (RollingResistance, dict(arm=0.01)),
-    "Impact": (Impact, dict(restitution=0.5, law="poisson")),
-    "Belt": (Belt, dict(speed="1+sin(t)")),
-    "Drive": (Drive, dict(x="sin(t)", y=0.0, angle="t")),
-    "Load": (Load, dict(fx="sin(t)", fy=1.0, moment=0.0)),
-    "Start": (Start, dict(xi1=0.1, xi2=0.0, slip=0.0, omega=1.0, gap=0.0, gap_rate=0.0)),
-    "disc": (disc, dict(radius=0.1, mass=1.0, inertia=0.005)),
-    "Plate": (Plate, dict(outline=CIRCLE, mass=1.0, inertia=1.0)),
-    "Case": (
-        Case,
-        dict(
-            track=CIRCLE,
-            plate=DISC,
-            effects=(Gravity(9.81),),
-            start=Start(0.1),
-            duration=1.0,
-            name="mine",
-            parameters={},
-        ),
-    ),
-    "Curve": (Curve, dict(function=lambda s: (s, s**2), domain=(-1.0, 1.0))),
-    "Curve.spline": (
-        Curve.spline,
-        dict(
-            points=[(0.1 * i, 0.01 * i * i) for i in range(12)], smoothing=0.0, closed=False, scale=1.0, may_cross=False
-        ),
-    ),
-    "simulate": (
-        reference.simulate,
-        dict(case=Case(CIRCLE, DISC, (Gravity(9.81),), Start(0.1), 0.1), rtol=1e-6, method=None),
-    ),
-    "line": (library.line, dict(slope=0.1)),
-    "circle": (library.circle, dict(radius=1.0)),
-    "ellipse": (library.ellipse, dict(a=1.0, b=0.5)),
-    "parabola": (library.parabola, dict(focus=0.4, reach=3.0)),
-    "cosine": (library.cosine, dict(depth=0.3, wavenumber=2.0, reach=3.0)),
-    "cycloid": (library.cycloid, dict(a=0.25, offset=0.1)),
-    "trochoid": (library.trochoid, dict(a=0.5, arm=0.3, arches=2)),
-    "superellipse": (library.superellipse, dict(a=0.2, b=0.1, exponent=4)),
-    "logarithmic_spiral": (library.logarithmic_spiral, dict(start=0.1, growth=0.2, turns=0.5)),
-    "rounded_polygon": (library.rounded_polygon, dict(radius=0.1, corners=3, sharpness=0.5)),
-    "load": (cases.load, dict(name="disc_in_circle", mu=0.2)),
-    "select": (cases.select, dict(text="disc_in_circle[mu=0.2]")),
-    "entry": (cases.entry, dict(name="disc_in_circle")),
-    "load_file": (cases.load_file, dict(path="nowhere.py")),
-}
-
 
 def draw(chance):
-    name = chance.choice(sorted(MAKERS))
-    make, right = MAKERS[name]
+    name = chance.choice(sorted(CALLS))
+    make, right = CALLS[name]
     several = chance.random() < 0.4
     wrong = [key for key in right if chance.random() < 0.5] if several else [chance.choice(sorted(right))]
     given = right | {key: chance.choice(ODD) for key in wrong}
