@@ -128,7 +128,7 @@ class EngineTest(pytest.Item):
                 setting = [*adapters.engine(check.engine).ladder(check.case, check.route)][-2:][0]
             except NotSupported as problem:
                 pytest.skip(f"unsupported: {problem}")
-        truth = find_truth(check.case)
+        self.truth = truth = find_truth(check.case)
         if not truth.failure:
             return measure(check.case, check.engine, check.route, setting, 1, truth)
         row = Run(check.case.label, check.engine, check.route, setting, 1, outcome="")
@@ -157,7 +157,7 @@ class EngineTest(pytest.Item):
         assert run.score is not None, "an answered run has a score"
         case = self.check.case
         # The disc ends faster than anywhere before; its creep is compared with that speed.
-        speed = abs(float(run.samples["x"][-1] - run.samples["x"][0])) / case.duration
+        speed = abs(float(self.truth.samples["x"][-1] + run.off["x"][-1] - self.truth.samples["x"][0])) / case.duration
         if not isfinite(run.score.creep):
             pytest.fail(f"{run.case}: the creep is not known: too few samples where the truth rolls", pytrace=False)
         if run.score.creep > MOST_CREEP * speed:

@@ -59,7 +59,7 @@ def differences(
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at evenly
     spaced times if its motion is dense (its steps are few, and doubled where the forces jump).
 
-    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (`multiplier`),
+    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N),
     and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points; centre and pose are of the plate that is farthest off, the others
     of the case's plate; of each further plate "x of NAME", "y of NAME" and "angle of NAME";
@@ -77,7 +77,6 @@ def differences(
     result = {"t": times}
     for name in ("slip", "xi1", "xi2", "normal_force"):
         result[name] = getattr(state, name) - np.asarray(getattr(exact, name))
-    result["lambda"] = multiplier(case, result["normal_force"], exact.xi1)
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
@@ -142,16 +141,6 @@ def states_at(motion: Trajectory, times: np.ndarray) -> State:
     if np.array_equal(motion.t[inside], times):
         return states_of(motion, inside)
     return motion(times)
-
-
-def multiplier(case: Case, normal_force, xi1) -> np.ndarray:
-    """The paper's multiplier λ = N/‖R_p‖ of normal forces at the track's parameters `xi1`.
-
-    NaN at a corner of the track, where R_p vanishes: a force there has no λ. NaN in flight.
-    """
-    with np.errstate(invalid="ignore"):  # in flight the parameter is NaN
-        speed = np.asarray(case.track.speed(np.asarray(xi1)), dtype=float)
-    return np.asarray(normal_force) / np.where(speed > 0.0, speed, nan)
 
 
 def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, State]:

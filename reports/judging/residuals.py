@@ -121,10 +121,10 @@ def _contact(case: Case, motion: Trajectory) -> tuple[float, float, float]:
     return float(apart.max()) / case.plate.reach, _slope(times, apart), float(sine.max())
 
 
-def motion_extent(case: Case, motion: Trajectory) -> float:
+def motion_extent(case: Case, x: np.ndarray, y: np.ndarray) -> float:
     """The largest displacement of the centre, m, at least a thousandth of the plate's size; a scale of errors."""
     start = start_motion(case)
-    return max(float(np.hypot(motion.x - start.x, motion.y - start.y).max()), 1e-3 * case.plate.reach)
+    return max(float(np.hypot(x - start.x, y - start.y).max()), 1e-3 * case.plate.reach)
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------

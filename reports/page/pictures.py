@@ -25,7 +25,7 @@ def draw(experiment: Experiment, folder: Path, calls: Calls, paper: bool) -> lis
     case = headline_case(experiment)
     if case is None:
         return []
-    runs = tuple(replace(run, samples={}) for run in experiment.runs if run.case == case.label)
+    runs = tuple(run for run in experiment.runs if run.case == case.label)
     sample = replace(experiment, cases=(case,), truths={case.label: experiment.truths[case.label]}, runs=runs)
     (answer,) = calls.all("figures", draw_headline, [(sample, folder, paper)], limit=_PATIENCE, group="")
     if answer.outcome == "done":

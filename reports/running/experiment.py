@@ -50,13 +50,13 @@ def run_cases(
     thin: Thin = lambda case, solver, route, settings: settings,
     knobs: str = "ladder",
     truths: Mapping[str, Truth] | None = None,
-    further: Mapping[str, tuple] | None = None,
+    is_hard: bool = False,
     limit: float | None = None,
     step: str = "runs",
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case label, solver, route,
-    ladder)` returns. A study may have the settings of a grid (`knobs`), `truths` of its own and `further` arguments of
-    `tasks.measure` by the case's label, another time `limit` (s) of a run, and a name of this `step`.
+    ladder)` returns. A study may have the settings of a grid (`knobs`), `truths` of its own, residuals in place of
+    samples (`is_hard`), another time `limit` (s) of a run, and a name of this `step`.
 
     A solver that is not installed has no runs, only its entry in `versions`; one selected with a version has a row with
     the reason for each case."""
@@ -66,7 +66,7 @@ def run_cases(
     truths = dict(truths) if truths else find_truths(cases, calls)
     offers_by_case = offers(cases, solvers, calls, knobs)
     in_detail = {ladder_case(cases)} if knobs == "ladder" else {case.label for case in cases}
-    runs, tasks = _plan(cases, offers_by_case, truths, thin, further or {}, in_detail)
+    runs, tasks = _plan(cases, offers_by_case, truths, thin, is_hard, in_detail)
     for place, run in _make(tasks, calls, step, limit, knobs == "ladder"):
         runs[place] = run
     seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
@@ -122,7 +122,7 @@ def _plan(
     all_offers: Mapping[tuple[str, str], tuple[Offer, ...]],
     truths: Mapping[str, Truth],
     thin: Thin,
-    further: Mapping[str, tuple],
+    is_hard: bool,
     in_detail: Collection[str],
 ) -> tuple[list[Run], list[_Task]]:
     """All runs in the order of the tables, and the tasks for those without an outcome yet. `in_detail`: the cases whose
@@ -131,7 +131,7 @@ def _plan(
     runs: list[Run] = []
     tasks: list[_Task] = []
     for (label, name), of_routes in all_offers.items():
-        truth, more = truths[label], (*further.get(label, (None, False)), label in in_detail)
+        truth, more = truths[label], (is_hard, label in in_detail)
         for offer in of_routes:
             excuse = _excuse(offer, truth)
             if excuse:

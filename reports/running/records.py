@@ -95,10 +95,9 @@ class Run:
     `outcome` is one of answered, unsupported, crashed, timed_out. An answered run has a `score`, a `grade`, its
     friction × and law error (NaN where they are not known), and as `reason` what the grade is due to; any other has why
     there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
-    `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading doubts of the
-    solver's transitions; `impacts` those on the track, or on several contacts; `residuals`
-    are those of hard scenes. `when`: time of the run, since CPU times
-    vary from day to day.
+    `off` (solver minus truth) is for figures, thinned; `spreads` (s) are the reading doubts of the solver's
+    transitions; `impacts` those on the track, or on several contacts; `residuals` are those of hard scenes. `when`:
+    time of the run, since CPU times vary from day to day.
     """
 
     case: str
@@ -114,7 +113,6 @@ class Run:
     spreads: tuple[float, ...] = ()
     distance: Distance = Distance(*6 * (float("nan"),))
     cost: Cost = Cost()
-    samples: dict[str, np.ndarray] = field(default_factory=dict)
     off: dict[str, np.ndarray] = field(default_factory=dict)
     when: str = ""
     score: Score | None = None
@@ -130,7 +128,7 @@ class Run:
 @dataclass(frozen=True)
 class Experiment:
     """All results in the requested order: truths by case label, and the runs. The default settings and the finest run
-    of each route have their `off`; of one case every run has it, and `samples`. `versions`: of the solvers, "" if
+    of each route have their `off`; of one case every run has it. `versions`: of the solvers, "" if
     unknown. `our_parts`: by solver and route, what of it is not the engine's own, for routes that have such a part."""
 
     cases: tuple[Case, ...]

@@ -37,6 +37,7 @@ from .true_motions import true_motion
 _SHOWN_SAMPLES, _PLAYER_SAMPLES = 1500, 401
 # The differences from the truth that the player shows, of the case's plate; of others those of the pose.
 _PLAYER_OFF = ("t", "x", "y", "angle", "slip")
+_COLUMNS = ("x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
 # Limits on the number of an adapter's routes (others are ignored), on the settings of a ladder or grid, and on the
 # characters of a setting: far more than would be run or read.
 _MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
@@ -130,7 +131,7 @@ def truth_of(case: Case, motion: Trajectory, events: Sequence[Transition], metho
         first_mode=motion.first_mode,
         status=motion.status,
         reason=motion.reason,
-        samples=_drawn_samples(case, _evenly(motion)),
+        samples=_samples(motion),
     )
 
 
@@ -187,21 +188,23 @@ def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
     return float(np.hypot(*off).max())
 
 
-def _evenly(motion: Trajectory) -> Trajectory:
-    """A motion sampled at even distances and at its transitions."""
+def _samples(motion: Trajectory) -> dict[str, np.ndarray]:
+    """Samples of a motion for figures, at even distances and at its transitions: the paper's v, ξ₁, ξ₂ and θ, the
+    centre and the contact's forces."""
     times = _shown_times(motion)
-    return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
+    state = motion(times)
+    return {"t": times} | {name: np.asarray(getattr(state, name)) for name in _COLUMNS}
 
 
 def measure(
     case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth,
-    true: Trajectory | None = None, is_hard: bool = False, in_detail: bool = True,
+    is_hard: bool = False, in_detail: bool = True, true: Trajectory | None = None,
 ) -> Run:  # fmt: skip
     """Run one setting of one route and judge it, in a process without engines. Only `run` of the solver is timed.
 
     The run that the others are compared with is the truth's motion, with the times measured when that was computed.
-    `true`: the truth's motion, perhaps sampled, where the worker need not compute it; `is_hard`: the run has its
-    residuals, and no samples; `in_detail`: it has all samples for figures, else those of the page's player.
+    `is_hard`: the run has its residuals, and no samples for figures; `in_detail`: it has the differences of all
+    quantities, else those of the page's player; `true`: the truth's motion, where it need not be computed.
 
     Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
@@ -213,27 +216,21 @@ def measure(
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
     row, motion = attempt(row, case, truth.method if is_truth(row, truth) else "")
-    return (
-        row if motion is None else without_engines(_judgement, case, motion, row, truth, laws, true, is_hard, in_detail)
-    )
+    if motion is None:
+        return row
+    return without_engines(_judgement, case, motion, row, truth, laws, is_hard, in_detail, true)
 
 
 def _judgement(
-    case: Case,
-    motion: Trajectory,
-    row: Run,
-    truth: Truth,
-    laws: tuple[str, ...],
+    case: Case, motion: Trajectory, row: Run, truth: Truth, laws: tuple[str, ...], is_hard: bool, in_detail: bool,
     true: Trajectory | None,
-    is_hard: bool,
-    in_detail: bool,
-) -> Run:
+) -> Run:  # fmt: skip
     run = judge(row, case, motion, true or true_motion(case, truth.method), truth, laws)
     if not is_hard:
-        return run if in_detail else replace(run, samples={}, off=_of_player(run.off))
+        return run if in_detail else replace(run, off=_of_player(run.off))
     from ..judging.residuals import examine  # it imports SciPy's integrators, a quarter of a second
 
-    return replace(run, samples={}, off={}, residuals=examine(case, motion))
+    return replace(run, off={}, residuals=examine(case, motion))
 
 
 def attempt(row: Run, case: Case, truth_method: str = "") -> tuple[Run, Trajectory | None]:
@@ -318,18 +315,8 @@ def judge(
         sequence=grades.sequence_note(total, scale),
         impacts=rows,
         distance=distance,
-        samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
-
-
-def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """Samples for the figures: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces;
-    thinned."""
-    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
-    samples = {name: _thin(getattr(trajectory, name)) for name in names}
-    samples["lambda"] = distances.multiplier(case, samples["normal_force"], samples["xi1"])
-    return samples
 
 
 def _of_player(off: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

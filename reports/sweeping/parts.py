@@ -155,7 +155,7 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")
     true = reference.simulate(case, rtol=work.plan.rtol)
     truth = tasks.truth_of(case, true, true.transitions, reference.METHODS[0])
-    run = at_once(tasks.measure(case, work.solver, work.route, setting, 1, truth, true))
+    run = at_once(tasks.measure(case, work.solver, work.route, setting, 1, truth, true=true))
     row: dict = {"setting": str(setting), "outcome": run.outcome, "reason": run.reason}
     if run.outcome != "answered" or run.score is None:
         return row

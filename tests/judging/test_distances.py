@@ -9,7 +9,6 @@ import cases
 import reference
 from cases import Trajectory
 from reports.judging import distances
-from tests.scenes.motions import sampled
 
 PAPER = cases.load("disc_in_circle", mu=0.2)
 
@@ -18,18 +17,6 @@ PAPER = cases.load("disc_in_circle", mu=0.2)
 def exact() -> Trajectory:
     """The paper's application at rtol 1e-13."""
     return reference.simulate(PAPER, rtol=1e-13)
-
-
-def test_a_force_at_a_corner_of_the_track_has_no_multiplier():
-    """R_p vanishes there: lambda is not infinite, and no warning is raised."""
-    case = cases.load("disc_over_edge")
-    truth = reference.simulate(case, rtol=1e-10)
-    times = np.linspace(0.0, truth.t[-1], 301)
-    state = truth(times)
-    off = distances.differences(sampled(truth, 301), truth, case)["lambda"]
-    at_corner = case.track.speed(state.xi1) == 0.0
-    assert at_corner.any() and np.isnan(off[at_corner]).all()
-    assert np.isfinite(off[~at_corner & np.isfinite(state.slip)]).all()
 
 
 def test_distance_measures_a_known_displacement(exact):

@@ -26,7 +26,7 @@ ROW = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 1 / 3, 1 / 7, 1 / 3 - 1 / 7, "p
 RUN = Run(
     "c", "s", "r", Setting.of(h=0.1), 2, "answered", "", "completed", "slip_forward", (ROW,), (float("nan"),),
     Distance(1e-300, 2.0, 3.0, 4.0, 5.0, float("inf")), Cost(cpu_s=1 / 9, steps=7),
-    {"t": np.linspace(0.0, 1.0, 50), "slip": np.full(50, np.nan)}, {"centre": np.geomspace(1e-17, 1.0, 50)}, "today",
+    {"t": np.linspace(0.0, 1.0, 50), "slip": np.full(50, np.nan), "centre": np.geomspace(1e-17, 1.0, 50)}, "today",
 )  # fmt: skip
 TRUTH = Truth(
     "taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE, samples={"t": np.arange(3.0)}
@@ -59,7 +59,7 @@ def test_a_store_without_a_folder_keeps_nothing_and_says_nothing(tmp_path, monke
 
 def test_the_folder_is_ignored_by_git_and_its_size_told(tmp_path):
     store = Store(tmp_path / "s")
-    store.put("run", KEY, replace(RUN, samples={"t": np.random.default_rng(1).random(1_000_000)}), Run)
+    store.put("run", KEY, replace(RUN, off={"t": np.random.default_rng(1).random(1_000_000)}), Run)
     assert (tmp_path / "s" / ".gitignore").read_text() == "*\n"
     assert "holds 8 MB and may be deleted" in store.size_words()
 
@@ -80,7 +80,7 @@ def with_member(path: Path, name: str, content: bytes) -> None:
 
 def with_object_array(path: Path) -> None:
     array = pickle.dumps([Trap(path.parent / "sprung")])
-    with_record(path, lambda output: output["record"].update(samples=[["t", [0, "|O", [len(array) // 8]]]]))
+    with_record(path, lambda output: output["record"].update(off=[["t", [0, "|O", [len(array) // 8]]]]))
     with_member(path, "0", array)
 
 
@@ -122,15 +122,15 @@ DAMAGE = {
     "no arrays": without_arrays,
     "an array cut short": lambda path: with_member(path, "0", b"12345678"),
     "an array of text": lambda path: with_record(
-        path, lambda output: output["record"]["samples"][0][1].__setitem__(1, "<U2")
+        path, lambda output: output["record"]["off"][0][1].__setitem__(1, "<U2")
     ),
     "an array of another shape": lambda path: with_record(
-        path, lambda output: output["record"]["samples"][0][1].__setitem__(2, [10**12])
+        path, lambda output: output["record"]["off"][0][1].__setitem__(2, [10**12])
     ),
     "nested beyond all bounds": lambda path: with_member(path, "record.json", b"[" * 200_000),
     "of another key": lambda path: with_record(path, lambda output: output["key"].update(case="d")),
     "another record": lambda path: with_record(path, lambda output: output.update(record={"a": 1})),
-    "a field missing": lambda path: with_record(path, lambda output: output["record"].pop("samples")),
+    "a field missing": lambda path: with_record(path, lambda output: output["record"].pop("off")),
     "a field more": lambda path: with_record(path, lambda output: output["record"].update(more=1)),
     "wrong type": lambda path: with_record(path, lambda output: output["record"].update(outcome=3)),
     "no record": lambda path: with_record(path, lambda output: output.clear()),
@@ -201,8 +201,8 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
         dict(cost=Cost(steps=100.5)),
         dict(cost=Cost(cpu_s=10**400)),
         dict(setting=Setting((("h", None),))),
-        dict(samples={"t": np.array(["words"])}),
-        dict(samples={"t": [0.0, 1.0]}),
+        dict(off={"t": np.array(["words"])}),
+        dict(off={"t": [0.0, 1.0]}),
         dict(status="a lone \ud800"),
     ],
     ids=lambda change: next(iter(change)),

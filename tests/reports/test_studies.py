@@ -20,7 +20,7 @@ from .test_figures import score
 
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
-SCENE = stability.HardScene(Truth(), Truth(), None)
+SCENE = stability.HardScene(Truth(), Truth())
 WHO = ("engine", "native")
 
 

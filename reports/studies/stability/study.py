@@ -80,9 +80,6 @@ CHAOTIC = 1e-6
 # minute. On the machine used to choose the limit, no run of a default report takes between 4 and 30 s, so outcomes are
 # the same on other machines.
 _LIMIT, _FULL_LIMIT, _DERIVING = 6.0, 600.0, 120.0
-# Samples of the true motion that are sent to the workers. Between them, the motion is interpolated by cubics, with
-# errors below 1e-9 of the plate's size for the longest of the short scenes.
-_SAMPLES = 4000
 # Rungs of a route's ladder that a default report runs in addition to the default settings: the third, the finest with
 # which two workers complete all scenes in half a minute.
 _RUNGS = (2,)
@@ -92,7 +89,7 @@ SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
 
 
 class HardScene(NamedTuple):
-    """The data of a case before any engine runs; `motion`: the true motion, sampled, None if there is none.
+    """The data of a case before any engine runs.
 
     `visible`: the truth without slips that a reading of samples cannot distinguish from rounding; engines are compared
     with it.
@@ -100,7 +97,6 @@ class HardScene(NamedTuple):
 
     truth: Truth
     visible: Truth
-    motion: Trajectory | None
 
 
 @cache
@@ -160,16 +156,15 @@ def run(request: Request, calls: Calls) -> Stability:
     # Engines: the longest first, because a long one at the end would run alone.
     in_turn = sorted(case_list, key=lambda case: -case.duration)
     engines = [name for name in solvers if name != REFERENCE]
-    # The reference is compared with the complete truth and with the true motion itself, which each worker computes.
+    # The reference is compared with the complete truth.
     for step, its_cases, names, seconds in (
         ("reference", own, [name for name in solvers if name == REFERENCE], limit + _DERIVING),
         ("engines", in_turn, engines, limit),
     ):
         is_own = step == "reference"
         truths = {label: scene.truth if is_own else scene.visible for label, scene in scenes.items()}
-        further = {label: (None if is_own else scene.motion, True) for label, scene in scenes.items()}
         runs += run_cases(
-            its_cases, names, calls, partial(_rungs, full), truths=truths, further=further, limit=seconds, step=step
+            its_cases, names, calls, partial(_rungs, full), truths=truths, is_hard=True, limit=seconds, step=step
         ).runs
     place = {case.label: i for i, case in enumerate(case_list)}
     runs.sort(key=lambda run: (place[run.case], run.solver != REFERENCE, run.solver, run.route, run.rung))
@@ -193,9 +188,7 @@ def scene_of(case: Case) -> HardScene:
     truth = find_truth(case) if has_truth else Truth(failure="it has no certificate: its witnesses disagree")
     if truth.failure and not constants(case)["last_bit"]:
         truth = _by_one_formulation(case, truth)
-    motion = None if truth.failure else true_motion(case, truth.method)
-    visible = _visible(truth, motion) if motion else truth
-    return HardScene(truth, visible, _sample(motion) if motion else None)
+    return HardScene(truth, truth if truth.failure else _visible(truth, true_motion(case, truth.method)))
 
 
 def _visible(truth: Truth, motion: Trajectory) -> Truth:
@@ -237,18 +230,11 @@ def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
     return replace(truth, error_bars=bars, witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods))
 
 
-def _sample(motion: Trajectory) -> Trajectory:
-    """A motion sampled at evenly spaced times and at its transitions: enough for comparisons, and small to send."""
-    events = [event.time for event in motion.transitions]
-    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SAMPLES), events)
-    return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
-
-
 def _scene(answer: CallResult) -> HardScene:
     if answer.outcome == "done":
         return answer.value
     nothing = Truth(failure=answer.failure[1])
-    return HardScene(nothing, nothing, None)
+    return HardScene(nothing, nothing)
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -263,13 +249,15 @@ def rows(stability: Stability) -> dict[str, list[dict[str, Any]]]:
     if not stability.cases:
         return {}
     extents = {
-        c.label: residuals.motion_extent(c, m) for c in stability.cases if (m := stability.scenes[c.label].motion)
+        c.label: residuals.motion_extent(c, truth.samples["x"], truth.samples["y"])
+        for c in stability.cases
+        if (truth := stability.scenes[c.label].truth).samples
     }
     table_rows, by_label = [], {case.label: case for case in stability.cases}
     for run in stability.runs:
         scene, case = stability.scenes[run.case], by_label[run.case]
         outcome, reason = run.outcome, run.reason
-        lacks_truth = outcome == "unsupported" and scene.motion is None and not run.refusal
+        lacks_truth = outcome == "unsupported" and scene.truth.failure and not run.refusal
         if (why := chaotic(case)) and (outcome == "answered" or lacks_truth):
             outcome, reason = "chaotic", why
         elif outcome == "answered" and scene.truth.status == "paradox" != run.status:
