@@ -52,7 +52,8 @@ ODD = [
 
 
 # Fields that the gate does not read: the suite has the case, and nothing calls back into an adapter.
-LEFT_OUT = ("case", "dense", "passages", "contact_names", "contact_columns", "plate_names", "plate_columns")
+LEFT_OUT = ("case", "dense", "passages", "contact_names", "contact_columns", "plate_names", "plate_columns",
+            "impulses")  # fmt: skip
 
 
 def plain(motion: Trajectory) -> bool:

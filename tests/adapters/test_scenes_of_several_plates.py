@@ -10,7 +10,7 @@ import pytest
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, by_process, lookup
+from adapters import by_process
 from adapters.common import motion_file, motion_table
 from cases import BadValue, DoesNotFit
 from reports import compare, export
@@ -115,33 +115,3 @@ def test_a_table_that_is_no_motion_of_all_plates_is_rejected(exported, change, m
     case, file = exported
     with pytest.raises((BadValue, DoesNotFit), match=message):
         motion_file.trajectory_of(case, change(motion_table.read(file)))
-
-
-# --- the suite's executables ------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def engine(request, monkeypatch):
-    """The engine of that name, or a skip that names what to install."""
-    monkeypatch.setenv(lookup.EXECUTABLES, "")
-    try:
-        return lookup.engine(lookup.register(request.param))
-    except ImportError as problem:
-        pytest.skip(str(problem))
-
-
-def _simulated(engine, label: str, h: float):
-    case = cases.load(label)
-    model = engine.build(case, "process", Setting.of(h=h))
-    engine.run(model)
-    return engine.read(model)
-
-
-def test_an_output_without_the_further_plates_is_a_failure_of_the_engine(tmp_path, monkeypatch):
-    monkeypatch.setenv(lookup.EXECUTABLES, "")
-    file = tmp_path / "forgetful"
-    rows = "\n".join(f"{k * 0.013},0,0.5,0" for k in range(101))
-    file.write_text(f"#!/bin/sh\ncat > /dev/null\ncat <<END\nt,x,y,theta\n{rows}\nEND\n")
-    file.chmod(0o755)
-    with pytest.raises(EngineFailure, match="no column 'x of upper'"):
-        _simulated(lookup.engine(lookup.register(file)), "disc_on_free_disc", 1e-2)

@@ -506,6 +506,11 @@ LINES = [
     ("report --case-file nowhere.py", "nowhere.py"),
     ("report --case-file broken.py", "ZeroDivisionError"),
     ("report --solver exudin", "exudyn"),
+    ("report --quick --solver pymunk@", "'' is not a version"),
+    ("report --quick --solver pymunk@latest", "'latest' is not a version"),
+    ("report --quick --solver pymunk@5.7", "select one of these"),
+    ("report --quick --solver pimunk@7", "there is no solver 'pimunk'"),
+    ("report --quick --solver reference@1", "the reference has one version"),
     ("report --solvr exudyn", "--solver"),
     ("report --jobs many", "whole number"),
     ("report --jobs 0", "from 1 to"),
@@ -515,6 +520,7 @@ LINES = [
     ("report --out .", "inside it"),
     ("report --out taken", "which is a file"),
     ("report --out mine", "holds letter.txt and is no report; give another folder"),
+    ("report --out new", "holds tables and is no report; give another folder"),
     ("report --store a/b --out a", "not inside each other"),
     ("report --store taken", "which is a file"),
     pytest.param("report --out /proc/report", "cannot be written to", marks=pytest.mark.skipif(
@@ -578,6 +584,7 @@ LINES = [
     ("compare nowhere", "'nowhere' is no folder of motions; give a case and a FILE"),
     ("release publish mine", "mine holds no report"),
     ("release deposit mine", "contains no published report"),
+    ("cases film disc_on_line --out film.avi", "end it in .gif or .mp4"),
     *((f"{name} bash", f"{name} is gone; {words}") for name, words in cli.GONE.items()),
     ("laws exudin", "there is no adapter, Python file or module 'exudin'; choose from"),
     ("laws no_such.module", "there is no adapter, Python file or module 'no_such.module'"),
@@ -626,7 +633,8 @@ def desk(tmp_path, monkeypatch) -> Path:
     """A working folder with those files."""
     monkeypatch.chdir(tmp_path)
     cases.names()  # the catalogue is loaded when it is first asked for
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    own = {name: entry for name, entry in registry._entries.items() if entry.is_own}
+    monkeypatch.setattr(registry, "_entries", own)
     monkeypatch.setenv(lookup.EXECUTABLES, "")  # and again after the test
     for name, text in texts().items():
         Path(name).parent.mkdir(parents=True, exist_ok=True)

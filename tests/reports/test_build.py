@@ -1,6 +1,5 @@
 """The command as a user meets it: what it refuses, what it writes."""
 
-import errno
 import json
 import re
 import shutil
@@ -28,17 +27,6 @@ def case_file(tmp_path, monkeypatch):
     file = tmp_path / "broken.py"
     file.write_text("from cases import case\n\n\n@case\ndef broken_case():\n    return 1 / 0\n")
     return str(file)
-
-
-@pytest.mark.parametrize("manifest", [None, "[]", "{", '{"made_by": "someone else", "files": ["mine.txt"]}'])
-def test_a_folder_that_is_no_report_is_left_alone(manifest, tmp_path, capsys):
-    (tmp_path / "mine.txt").write_text("precious")
-    if manifest is not None:
-        (tmp_path / "manifest.json").write_text(manifest)
-    before = sorted(tmp_path.iterdir())
-    assert build.main(["--out", str(tmp_path)]) == 2
-    assert "and is no report; give another folder" in capsys.readouterr().err
-    assert sorted(tmp_path.iterdir()) == before and (tmp_path / "mine.txt").read_text() == "precious"
 
 
 def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):
@@ -167,17 +155,6 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
 
 def holds(place: Path) -> set[str]:
     return {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
-
-
-def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkeypatch, capsys):
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(options, "TemporaryFolder", full)
-    argv = ["--out", str(tmp_path / "report"), "--store", str(tmp_path / "store"), "--case", "disc_on_line", "--quick"]
-    monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: pytest.fail("it ran something"))
-    assert build.main(argv) == 2
-    assert "cannot be written to (No space left on device); give another folder" in capsys.readouterr().err
 
 
 def test_names_of_files_fit_in_every_file_system():

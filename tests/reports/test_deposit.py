@@ -80,13 +80,3 @@ def test_an_odd_data_package_is_one_sentence(tmp_path, capsys, change, reason):
     assert deposit.main([str(folder)]) == 2
     error = capsys.readouterr().err
     assert reason in error and error.count("\n") == 1
-
-
-def test_no_file_of_the_user_is_overwritten(tmp_path, capsys):
-    archive = tmp_path / "mine.zip"
-    archive.write_text("mine")
-    assert deposit.main([str(LAST), "--out", str(archive)]) == 2 and archive.read_text() == "mine"
-    assert "--force to overwrite it" in capsys.readouterr().err
-    assert deposit.main([str(LAST), "--out", str(tmp_path / "mine.tar")]) == 2
-    assert "give a file that ends in .zip" in capsys.readouterr().err
-    assert deposit.main([str(LAST), "--out", str(archive), "--force"]) == 0 and zipfile.is_zipfile(archive)

@@ -58,30 +58,6 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
     assert before == {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
 
 
-def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, monkeypatch, capsys, at_once):
-    monkeypatch.chdir(tmp_path)
-    few = ["disc_on_line", "--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2"]
-    assert sweep.main([*few, "--refine", "0.01"]) == 0
-    out = tmp_path / "sweep"
-    theirs = [out / "analysis.ipynb", out / "rows" / "notes.txt", out / "mine" / "map.svg"]
-    theirs[2].parent.mkdir()
-    for file in theirs:
-        file.write_text("precious")
-    assert (out / "boundary.parquet").exists()
-    assert sweep.main([*few[:-1], "v0=1:3:2", "--fresh"]) == 0
-    assert all(file.read_text() == "precious" for file in theirs)
-    assert not (out / "boundary.parquet").exists() and set(rows_of(out).column("v0").to_pylist()) == {1.0, 3.0}
-    # A picture that the user has worked on, and notes in the place of the next one.
-    for name in ("map.svg", "map_pymunk.native.svg"):
-        (out / name).write_text("precious")
-        capsys.readouterr()
-        assert sweep.main([*few, "--fresh"]) == 2
-        output = capsys.readouterr().err
-        assert f"{name} was not written by this command, or has changed since; move it, or give another --out" in output
-        assert (out / name).read_text() == "precious" and rows_of(out).num_rows == 4
-        (out / name).unlink()
-
-
 @pytest.mark.filterwarnings("ignore")  # Dask's own, of a connection that nobody answers
 def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
@@ -190,6 +166,7 @@ def test_what_applies_to_all_scenarios_ends_the_sweep_at_once(tmp_path, monkeypa
 
 def test_a_summary_has_the_reasons_with_their_counts(tmp_path, monkeypatch, capsys, at_once):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
     (tmp_path / "half.py").write_text(OWN.replace("thin", "none"))
     words = ["half.py:half", "--vary", "mu=0.1:0.2:5", "--vary", "v0=1:2:2"]
     assert sweep.main(words) == 0
