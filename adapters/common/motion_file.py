@@ -161,7 +161,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         doubt = _slip_doubt(case, columns, slip, xi1, gap)
         if from_differences:
             doubt += _resolution(case, {**columns, "slip": slip}, xi1)
-        _check_slip(columns["slip"][:count], slip[:count], doubt[:count] + slowest(case, float(t[-1] - t[0])))
+        _check_slip(case, columns["slip"][:count], slip[:count], doubt[:count] + slowest(case, float(t[-1] - t[0])))
     missing_slip = np.isnan(xi1) | np.isnan(columns["slip"])
     columns["slip"] = np.where(missing_slip, slip, columns["slip"])
     if case.effect(Flight):  # in flight there is no force, even if the file has none
@@ -385,13 +385,15 @@ def _slip_doubt(case: Case, columns, slip: np.ndarray, xi1: np.ndarray, gap: np.
     return np.where(np.isfinite(bound), bound, 0.0)
 
 
-def _check_slip(file_values: np.ndarray, slip: np.ndarray, doubt: np.ndarray) -> None:
-    """Raise DoesNotFit if the file's slip is another quantity than the slip of the poses, m/s.
+def _check_slip(case: Case, file_values: np.ndarray, slip: np.ndarray, doubt: np.ndarray) -> None:
+    """Raise DoesNotFit if the file's slip is another quantity than the slip of the poses, m/s. A plate that rebounds
+    may touch its track between two samples only.
 
     Half of the samples that slip by either of the two, and more than two, must differ: at a kink or an impact few
     differ, and a sticking contact has no slip whose unit or sign could be wrong.
     """
-    if np.isfinite(slip).any() and not np.isfinite(file_values - slip).any():
+    is_empty = np.isfinite(slip).any() and not np.isfinite(file_values - slip).any()
+    if is_empty and case.effect(Impact) is None:
         raise DoesNotFit("slip is empty wherever the plate touches its track; give it there, or leave it out")
     tolerance = OFF * np.abs(slip) + doubt
     slips = (np.fmax(np.abs(file_values), np.abs(slip)) > tolerance) & np.isfinite(file_values - slip)

@@ -9,13 +9,13 @@ const cannon = common.load("cannon-es");
 // Facets of a curve without a setting; a friction coefficient that no force exceeds.
 const FACETS = 800, ROUGH = 1e6;
 
-const scene = common.readScene("cannon-es", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
+const scene = common.readScene("cannon-es", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact"]);
 const { plate, effects, start, points } = scene, tuned = scene.setting.rung !== "defaults";
 if (plate.radius === null) common.refuse("cannon-es is given spheres: this outline is no circle about the centre of mass.");
 const mu = effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0;
 const pull = common.gravity(scene), world = new cannon.World({ gravity: new cannon.Vec3(pull.x, pull.y, 0) });
 world.defaultContactMaterial.friction = mu;
-world.defaultContactMaterial.restitution = 0;
+world.defaultContactMaterial.restitution = common.restitution(scene);
 // Each body with each other in turn, the default, takes seconds where a track has hundreds of boxes.
 world.broadphase = new cannon.SAPBroadphase(world);
 if (tuned) {

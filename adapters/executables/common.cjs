@@ -62,6 +62,11 @@ function belt(engine, { effects: { Belt } }) {
   return speed;
 }
 
+/** The restitution of the case's impacts, 0 without one: Newton's, whatever law the case has. */
+function restitution({ effects: { Impact } }) {
+  return Impact?.restitution ?? 0;
+}
+
 /** The acceleration of gravity, m/s². */
 function gravity({ effects: { Gravity } }) {
   return Gravity ? { x: Gravity.g * Math.cos(Gravity.direction), y: Gravity.g * Math.sin(Gravity.direction) } : { x: 0, y: 0 };
@@ -231,8 +236,10 @@ function run(scene, plate, step, rounding, running = 0) {
   const cpu = process.cpuUsage(begun);
   // A slip is a difference of velocities, each off by a few roundings.
   console.log(`# creep = ${10 * rounding * fastest + missing(scene, rows, h)}`);
-  console.log([NAMES, ...rows].map((row) => row.join(",")).join("\n"));
+  // In a step with an impact a slip is that before and after it: there the poses tell.
+  const slips = NAMES.indexOf("slip"), has = !scene.effects.Impact;
+  console.log([NAMES, ...rows].map((row) => (has ? row : row.toSpliced(slips, 1)).join(",")).join("\n"));
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
 }
 
-module.exports = { refuse, load, loadModule, readScene, belt, gravity, shape, ends, corners, boxes, fan, normals, run };
+module.exports = { refuse, load, loadModule, readScene, belt, restitution, gravity, shape, ends, corners, boxes, fan, normals, run };

@@ -28,8 +28,9 @@ MIXING = 1e-5
 
 scene = plane.read_scene(
     "DART",
-    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"),
+    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact"),
     {"Belt": "DART's surface velocity (ContactSurfaceParams) is not among the bindings of dartpy, so no belt can run."},
+    rebounds=True,
 )
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
 if radius is None:
@@ -40,7 +41,7 @@ mu = plane.coefficient(effects, ROUGH)
 
 
 def add_shape(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> None:
-    """Give a body a shape that collides, with friction and without restitution, somewhere in the body's frame."""
+    """Give a body a shape that collides, with friction and restitution, somewhere in the body's frame."""
     node = body.createShapeNode(shape)
     place = dart.math.Isometry3()
     place.set_translation([x, y, 0.0])
@@ -50,7 +51,8 @@ def add_shape(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -
     node.createDynamicsAspect()
     # The engine takes the smaller of the two bodies' coefficients.
     node.getDynamicsAspect().setFrictionCoeff(mu)
-    node.getDynamicsAspect().setRestitutionCoeff(0.0)
+    # It multiplies their restitutions.
+    node.getDynamicsAspect().setRestitutionCoeff(plane.restitution(effects) if body.getSkeleton().isMobile() else 1.0)
 
 
 world = dart.simulation.World()

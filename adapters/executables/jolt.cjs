@@ -13,7 +13,7 @@ const SINGLE = 2 ** -23;
 
 async function main() {
   const { default: start } = await loading;
-  const scene = common.readScene("Jolt", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
+  const scene = common.readScene("Jolt", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact"]);
   const { plate, effects, points, setting } = scene, tuned = setting.rung !== "defaults", track = common.shape(scene);
   if (plate.radius === null) common.refuse("Jolt is given spheres: this outline is no circle about the centre of mass.");
   const Jolt = await start();
@@ -106,7 +106,8 @@ function mesh(Jolt, corners) {
 }
 
 /** The plate as a sphere that moves in the plane, with its mass and inertia. */
-function ball(Jolt, { plate, start }, mu, tuned, at) {
+function ball(Jolt, scene, mu, tuned, at) {
+  const { plate, start } = scene;
   const turn = new Jolt.Quat(0, 0, Math.sin(start.theta / 2), Math.cos(start.theta / 2));
   const shape = new Jolt.SphereShape(plate.radius);
   const body = new Jolt.BodyCreationSettings(shape, at(start.x, start.y), turn, Jolt.EMotionType_Dynamic, 1);
@@ -117,7 +118,7 @@ function ball(Jolt, { plate, start }, mu, tuned, at) {
   body.mLinearVelocity = new Jolt.Vec3(start.vx, start.vy, 0);
   body.mAngularVelocity = new Jolt.Vec3(0, 0, start.omega);
   body.mFriction = mu;
-  body.mRestitution = 0;
+  body.mRestitution = common.restitution(scene);
   if (tuned) {
     body.mLinearDamping = body.mAngularDamping = 0;
     body.mMaxLinearVelocity = body.mMaxAngularVelocity = 1e4;

@@ -13,7 +13,7 @@ const FACETS = 800, SIDES = 200, OWN_SIDES = 25, PIXELS = 200;
 // A friction coefficient that no force exceeds.
 const ROUGH = 1e6;
 
-const scene = common.readScene("matter-js", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
+const scene = common.readScene("matter-js", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact"]);
 const { plate, effects, start, points, duration } = scene, tuned = scene.setting.rung !== "defaults";
 if (plate.radius === null) common.refuse("matter-js is given circles: this outline is no circle about the centre of mass.");
 const mu = effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0;
@@ -23,7 +23,7 @@ const how = tuned ? { velocityIterations: iterations, positionIterations: iterat
 const engine = Matter.Engine.create(how), { world } = engine;
 // Lengths in pixels and times in milliseconds.
 Object.assign(engine.gravity, { x: pull.x, y: pull.y, scale: PIXELS * 1e-6 });
-const material = { friction: mu, restitution: 0, ...(tuned ? { frictionAir: 0, slop: 0.001 } : {}) };
+const material = { friction: mu, restitution: common.restitution(scene), ...(tuned ? { frictionAir: 0, slop: 0.001 } : {}) };
 // Without friction in the case there is none at rest either.
 if (!mu) material.frictionStatic = 0;
 

@@ -10,7 +10,7 @@ const planck = common.load("planck");
 // of which a polygon may have twelve in all; friction that no forces exhaust.
 const FACETS = 8000, FEWER = 500, VERTICES = 96, RIM = 8, ROUGH = 1e6;
 
-const scene = common.readScene("planck", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Belt"]);
+const scene = common.readScene("planck", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Belt"]);
 const { plate, effects, start, points, closed } = scene, running = common.belt("planck", scene);
 const tuned = scene.setting.rung !== "defaults", track = common.shape(scene);
 // A step along the tangent of a hill takes a disc off it by (v h)²/2R, and what does not overlap is in flight: so the
@@ -18,11 +18,13 @@ const tuned = scene.setting.rung !== "defaults", track = common.shape(scene);
 const overlap = tuned && track.kind === "disc" && plate.radius !== null ? scene.setting.h : 0;
 // As it comes, edges have a skin of 1 cm and overlaps of 5 mm are left alone: a twentieth of a plate of 0.1 m.
 if (tuned) planck.Settings.linearSlop = overlap || 1e-5;
+// As it comes, nothing rebounds below 1 m/s.
+if (tuned) planck.Settings.velocityThreshold = 0;
 
 // A sweep to the first time of impact stops a plate in a bowl at every facet.
 const how = tuned ? { allowSleep: false, continuousPhysics: false } : {};
 const world = new planck.World({ gravity: common.gravity(scene), ...how });
-const material = { friction: effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0, restitution: 0 };
+const material = { friction: effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0, restitution: common.restitution(scene) };
 const ground = world.createBody();
 if (track.kind === "line") {
   ground.createFixture(new planck.Edge(...common.ends(scene)), material);

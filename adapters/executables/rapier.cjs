@@ -13,7 +13,7 @@ const FACETS = 8000, VERTICES = 96, RIM = 8, ROUGH = 1e6;
 const SINGLE = 2 ** -23;
 
 async function main() {
-  const scene = common.readScene("Rapier", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
+  const scene = common.readScene("Rapier", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact"]);
   const { plate, effects, start, points } = scene, tuned = scene.setting.rung !== "defaults";
   // It says on standard error's sister that its own start is out of date; standard output is the motion's alone.
   const [log, warn] = [console.log, console.warn];
@@ -27,7 +27,7 @@ async function main() {
     world.numSolverIterations = scene.setting.iterations ?? 16;
   }
   const mu = effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0;
-  const add = (shape, body) => world.createCollider(shape.setFriction(mu).setRestitution(0).setDensity(0), body);
+  const add = (shape, body) => world.createCollider(shape.setFriction(mu).setRestitution(common.restitution(scene)).setDensity(0), body);
   const flat = (corners) => new Float32Array(corners.flatMap(({ x, y }) => [x, y]));
   const track = common.shape(scene);
   let shape;

@@ -52,10 +52,15 @@ WORDS = {"CoulombFrictionBySpeed": "friction that depends on the slip velocity"}
 
 
 def read_scene(
-    engine: str, names: tuple[str, ...], reasons: dict[str, str] | None = None, must_turn: bool = True
+    engine: str,
+    names: tuple[str, ...],
+    reasons: dict[str, str] | None = None,
+    must_turn: bool = True,
+    rebounds: bool = False,
 ) -> dict[str, Any]:
     """The scene. Ends the program for an effect that is not in `names`, with the effect's sentence of `reasons` if it
-    has one, or that no engine with contacts supports; with `must_turn`, for a plate that does not turn."""
+    has one, or that no engine with contacts supports; with `must_turn`, for a plate that does not turn; without
+    `rebounds`, for an impact with a restitution."""
     scene = json.load(sys.stdin)
     effects = scene["effects"]
     everywhere = [effects, *(support["effects"] for support in effects.get("Supports", {}).values())]
@@ -71,12 +76,17 @@ def read_scene(
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
     for own in everywhere:
-        if own.get("Impact", {}).get("restitution", 0.0) != 0.0:
+        if restitution(own) != 0.0 and not rebounds:
             refuse(f"{engine} is given inelastic impacts only here, and this Impact has a restitution.")
         friction = own.get("CoulombFriction")
         if friction and friction["mu_static"] not in (None, friction["mu"]):
             refuse(f"{engine} has one friction coefficient for slip and stick.")
     return scene
+
+
+def restitution(effects) -> float:
+    """The restitution of impacts, 0 without one: Newton's, whatever law the case has."""
+    return float(effects.get("Impact", {}).get("restitution", 0.0))
 
 
 def coefficient(effects, rough: float) -> float:
