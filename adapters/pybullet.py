@@ -31,7 +31,7 @@ routes = ("assisted",)
 KNOWN = "pybullet>=3.2.5"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
-KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+KNOWN_EFFECTS = (Gravity, CoulombFriction, RollingResistance, Unilateral)
 
 MEANINGS = (
     Meaning(
@@ -42,7 +42,11 @@ MEANINGS = (
     Meaning(Impact, "restitution; this adapter does not set it", "not supported"),
     Meaning(Belt, "none", "not supported"),
     Meaning(Drive, "none", "not supported"),
-    Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "not supported"),
+    Meaning(
+        RollingResistance,
+        "rollingFriction of each body times lateralFriction of the other one, added; here the arm (m) and 1, and 0",
+        "a couple of at most that times the normal impulse",
+    ),
 )
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
@@ -132,7 +136,9 @@ def build(case: Case, route: str, setting: Setting) -> PybulletModel:
     pybullet.changeDynamics(plane, -1, lateralFriction=1.0, **where)
     damping = dict(linearDamping=setting["damping"], angularDamping=setting["damping"])
     inertia, mu = [case.plate.inertia] * 3, friction.mu if friction else 0.0
-    pybullet.changeDynamics(plate, -1, lateralFriction=mu, localInertiaDiagonal=inertia, **damping, **where)
+    resistance = case.effect(RollingResistance)
+    rubbing = dict(lateralFriction=mu, rollingFriction=resistance.arm if resistance else 0.0)
+    pybullet.changeDynamics(plate, -1, localInertiaDiagonal=inertia, **rubbing, **damping, **where)
     pybullet.resetBaseVelocity(plate, [start.vx, start.vy, 0.0], [0.0, 0.0, start.omega], **where)
     return PybulletModel(case, h, steps, world, plate, plane)
 

@@ -112,7 +112,7 @@ ROWS = [
     ("pybullet assisted", on(BOWL, PUSH, plate=ELLIPSE), "not yet", "no circle"),
     ("pybullet assisted", on(BOWL, PUSH, Load(fx=1.0)), "not yet", "Load"),
     ("pybullet assisted", on(BOWL, PUSH, PerfectlyRough()), "not yet", "PerfectlyRough"),
-    ("pybullet assisted", on(BOWL, PerfectlyRough(), RollingResistance(0.01)), "not yet", "and RollingResistance"),
+    ("pybullet assisted", on(BOWL, PerfectlyRough(), RollingResistance(0.01)), "not yet", "support PerfectlyRough"),
     ("pybullet assisted", on(BOWL, PUSH, Flight(), Impact(0.5)), "not yet", "Flight and Impact"),
     ("pymunk native", with_support(WAVE, start=StartPose(0.0, 2.0)), "not yet",
      "A plate may touch the support 'wave' in several places"),
