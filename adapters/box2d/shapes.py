@@ -17,8 +17,6 @@ from cases.curves.line_or_circle import Circle, as_circle, as_line
 from ..common import facets
 from ..common.driven_tracks import PrescribedSteps
 
-# Facets of a curve that a person would type in.
-MODEST = 64
 # A coefficient of friction that no case's forces exceed.
 ROUGH = 1e6
 # Corners that a polygon may have; and rim edges of a polygon in a fan: its eighth corner is the plate's centre.
@@ -28,20 +26,16 @@ FINEST_RIM = 390
 
 
 def corners(case: Case, h: float | None) -> dict[str, int]:
-    """Numbers of facets and corners for the step h (s), or by default (None).
-
-    A facet is as long as a step's displacement at top speed.
-    """
+    """Numbers of facets and corners for the step h (s), or by default (None)."""
     counts: dict[str, int] = {}
-    if length := facets.longest_in_facets(case):
-        way = facets.stretch(case).top_speed * h if h else 0.0
-        counts["facets"] = max(MODEST, round(length / way)) if way else MODEST
+    if facets.longest_in_facets(case):
+        counts["facets"] = facets.facets_for(case, h)
     outline = case.plate.outline
     # The free plates are discs and polygons, whose corners are their own.
     if not facets.round_plate(case) and not as_line(outline) and not case.others:
         # With 0.2 s over the step corners lose as much energy as the step itself; whole polygons of a fan.
-        coarsest = MOST_CORNERS if facets.is_convex(outline) else MODEST
-        counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else coarsest
+        coarsest = MOST_CORNERS if facets.is_convex(outline) else facets.MODEST
+        counts["vertices"] = RIM * round(max(0.2 / h, facets.MODEST) / RIM) if h else coarsest
         counts["vertices"] = min(counts["vertices"], FINEST_RIM)
     return counts
 
@@ -123,11 +117,8 @@ def add_fixed(case: Case, body: pyb2d3.Body, scale: float, count: int) -> None:
             _add_line(body, facets.ends(case, line), surface, scale)
         elif circle and facets.is_round_hill(curve):
             _add_circle(body, circle, surface, scale)
-        elif curve is case.track:
-            closed = facets.track_kind(case) == "chain" and facets.stretch(case).closed
-            _add_chain(body, facets.chain(case, count), closed, surface, scale)
         else:
-            _add_chain(body, facets.support_chain(case, curve, count), curve.period is not None, surface, scale)
+            _add_chain(body, *facets.fixed_chain(case, curve, count), surface, scale)
 
 
 def _against_plate(case: Case, surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from cases import Case
 
-from ..common.facets import stretch, track_kind
+from ..common.facets import facets_for, track_kind
 from ..interface import Setting
 from .engine import Engine
 
@@ -20,10 +20,9 @@ FOLDER = Path(__file__).parents[1] / "executables"
 # timestep, DART's World.getTimeStep, SAPIEN's PhysxCpuSystem.timestep; Rapier's IntegrationParameters.dt and planck's
 # first example have a game's, and Siconos' example of a bouncing ball has 5 ms.
 OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3, "physx": 1e-2, "siconos": 5e-3}
-# The facets of a curved track are as long as the plate's displacement in a step, by the rule of the adapters of pymunk
-# and Box2D, and not more than these: each box costs time in every step, most of all in cannon-es, a corner of a chain
-# none. The engine's default settings have the facets of a first-time user, as pymunk's.
-MODEST, MOST_FACETS = 64, 8000
+# The most facets of a curved track: each box costs time in every step, most of all in cannon-es, a corner of a chain
+# none.
+MOST_FACETS = 8000
 # Engines that take the curve itself.
 WITHOUT_FACETS = {"siconos"}
 MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800, "newton": 3200}
@@ -82,10 +81,8 @@ class BundledEngine(Engine):
         """The setting with a number of facets, if the track is curved and no whole circle."""
         if track_kind(case) != "chain" or self.NAME in WITHOUT_FACETS:
             return setting
-        part, most = stretch(case), MOST_BOXES.get(self.NAME, MOST_FACETS)
-        way = part.top_speed * float(setting["h"])
-        count = MODEST if setting.is_default or not way else round(part.length / way)
-        return setting.but(facets=min(max(count, MODEST), most))
+        count = facets_for(case, None if setting.is_default else float(setting["h"]))
+        return setting.but(facets=min(count, MOST_BOXES.get(self.NAME, MOST_FACETS)))
 
     def version(self) -> str:
         """The engine's own version, and the digest of the file."""

@@ -53,14 +53,29 @@ def longest_in_facets(case: Case) -> float:
     return max([*lengths, stretch(case).length if track_kind(case) == "chain" else 0.0])
 
 
+# Facets of a curve that a person would type in.
+MODEST = 64
+
+
+def facets_for(case: Case, h: float | None) -> int:
+    """The number of facets of the longest curve for the step h (s): each as long as a step's displacement at top speed,
+    as shorter ones only cost time; without a step those of a first-time user."""
+    way = stretch(case).top_speed * h if h else 0.0
+    return max(MODEST, round(longest_in_facets(case) / way)) if way else MODEST
+
+
 def share_of_facets(case: Case, length: float, count: int) -> int:
     """The number of facets of a curve of that length (m) where the longest one has `count`."""
     return max(1, round(count * length / longest_in_facets(case)))
 
 
-def support_chain(case: Case, curve: Curve, count: int, behind: float = 0.0) -> np.ndarray:
-    """Corners, shape (2, n), of the facets of a support, where the longest curve has `count`; as of `chain`."""
-    return _facets(curve, *curve.span, share_of_facets(case, curve.length(*curve.span), count), behind)
+def fixed_chain(case: Case, curve: Curve, count: int, behind: float = 0.0) -> tuple[np.ndarray, bool]:
+    """Corners, shape (2, n), of the facets of the track or a support, where the longest curve has `count`, and whether
+    they are closed; `behind` as of `chain`."""
+    if curve is case.track:
+        return chain(case, count, behind), stretch(case).closed
+    share = share_of_facets(case, curve.length(*curve.span), count)
+    return _facets(curve, *curve.span, share, behind), curve.period is not None
 
 
 def round_plate(case: Case) -> Circle | None:

@@ -37,8 +37,10 @@ from cases.scene.free_plates import plates_of
 
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import (
-    chain,
+    MODEST,
     ends,
+    facets_for,
+    fixed_chain,
     in_facets,
     is_convex,
     is_round_hill,
@@ -47,7 +49,6 @@ from ..common.facets import (
     rim,
     round_plate,
     stretch,
-    support_chain,
     track_kind,
 )
 from ..common.starts import starts_of
@@ -73,21 +74,17 @@ def friction_coefficient(effects: Sequence[Effect]) -> float:
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
 
-# A polygon that a person would type in; and the finest one whose small overlaps the engine still detects (at 1000
-# corners an elliptic plate of 0.3 m sank 7 cm into a circle). Every moving segment is sorted again in every step, so
-# that a rim of 800 takes ten times the time of one of 400.
-MODEST, MOST_CORNERS, MOST_SEGMENTS = 64, 800, 400
+# The finest polygon whose small overlaps the engine still detects (at 1000 corners an elliptic plate of 0.3 m sank 7 cm
+# into a circle). Every moving segment is sorted again in every step, so that a rim of 800 takes ten times the time of
+# one of 400.
+MOST_CORNERS, MOST_SEGMENTS = 800, 400
 
 
 def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
-    """Number and thickness of the shapes for the step h (s); None: those of a first-time user.
-
-    A facet is as long as the plate's displacement in one step at top speed: shorter ones only cost time.
-    """
+    """Number and thickness of the shapes for the step h (s); None: those of a first-time user."""
     kind, knobs = track_kind(case), dict[str, float | int]()
-    if length := longest_in_facets(case):
-        way = stretch(case).top_speed * h if h else 0.0
-        knobs["facets"] = max(MODEST, round(length / way)) if way else MODEST
+    if longest_in_facets(case):
+        knobs["facets"] = facets_for(case, h)
         # A facet with its neighbours set does not catch the plate with its end where they meet. The default has none.
         knobs["neighbors"] = 0 if h is None else 1
     if kind != "hill" or case.supports:
@@ -245,9 +242,7 @@ def _fixed_shapes(
             f"At this step the track needs {facets:,} facets, and a million take more than a gigabyte of memory; "
             "give a coarser setting."
         )
-    if curve is case.track:
-        return _segments(body, chain(case, facets, behind=thickness), stretch(case).closed, setting)
-    return _segments(body, support_chain(case, curve, facets, behind=thickness), curve.period is not None, setting)
+    return _segments(body, *fixed_chain(case, curve, facets, thickness), setting)
 
 
 def drive_track(case: Case, space: pymunk.Space, h: float) -> None:

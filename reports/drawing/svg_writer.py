@@ -24,12 +24,12 @@ _SHAPES = {
 _ARROW = "M4 0H-5M-1.5-3L-5 0L-1.5 3"
 
 
-def svg(diagram: Diagram, looks: LineStyles, height: float = 210.0, label: str = "") -> Markup:
-    """The figure as an SVG element; `height` of a row in pixels of a width of 540, `label` for screen readers."""
+def svg(diagram: Diagram, looks: LineStyles, height: float = 210.0) -> Markup:
+    """The figure as an SVG element; `height` of a row in pixels of a width of 540."""
     total = height * len(diagram.rows)
     parts = [
         f'<svg class="figure" viewBox="0 0 {_WIDTH:g} {total:g}" role="{"group" if _has_links(diagram) else "img"}" '
-        f'aria-label="{escape(label or f"{diagram.title}. {diagram.caption}")}">'
+        f'aria-label="{escape(f"{diagram.title}. {diagram.caption}")}">'
     ]
     for row, panels in enumerate(diagram.rows):
         width = _WIDTH / len(panels)

@@ -209,11 +209,9 @@ def _largest_slip(truth: Trajectory, phase: ModePhase) -> float:
     return _fastest_slip(truth(np.linspace(phase.begin, phase.end, 33)[1:-1]))
 
 
-def score(
-    case: Case, motion: Trajectory, truth: Trajectory, scale: Scale, off: Mapping[str, np.ndarray] | None = None
-) -> Score:
-    """The score of a sound motion. `off`: `distances.differences` of motion and truth, where they are known already."""
-    return score_and_reading(case, motion, truth, scale, off)[0]
+def score(case: Case, motion: Trajectory, truth: Trajectory, scale: Scale) -> Score:
+    """The score of a sound motion."""
+    return score_and_reading(case, motion, truth, scale)[0]
 
 
 def _changes_with_slip(case: Case) -> bool:

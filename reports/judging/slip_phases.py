@@ -50,11 +50,6 @@ class _Phase(NamedTuple):
     stop: int
 
 
-def read_transitions(trajectory: Trajectory, mu: float | None = None) -> tuple[Transition, ...]:
-    """The transitions of a sampled contact; see `read_contact`."""
-    return read_contact(trajectory, mu).transitions
-
-
 def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
     """First mode and transitions of one sampled contact, from t, slip, forces and slip_resolution alone.
 

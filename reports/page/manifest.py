@@ -6,7 +6,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
@@ -33,19 +33,19 @@ def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
         "made_at": now(),
         "python": sys.version.split()[0],
         "packages": {name: installed_packages(name) for name in _PACKAGES},
-        "installed": required_versions(),
+        "installed": _required_versions(),
         "solvers": {name: version or "unknown" for name, version in versions.items()},
         "machine": f"{platform.platform()}, {processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
 
 
-def required_versions(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTRAS) -> dict[str, str]:
+def _required_versions() -> dict[str, str]:
     """Versions of all installed direct and indirect dependencies of the suite; empty if the suite itself is not
     installed."""
     package_versions: dict[str, str] = {}
     past: set[tuple[str, str]] = set()
-    waiting = [(suite, extra) for extra in ("", *extras)]
+    waiting = [("slip-to-roll", extra) for extra in ("", *_EXTRAS)]
     while waiting:
         name, extra = waiting.pop()
         try:
@@ -58,7 +58,7 @@ def required_versions(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTR
                 new_requirements = {(requirement.name, more) for more in ("", *requirement.extras)} - past
                 past |= new_requirements
                 waiting += new_requirements
-    package_versions.pop(suite, None)
+    package_versions.pop("slip-to-roll", None)
     return dict(sorted(package_versions.items()))
 
 

@@ -6,7 +6,6 @@ Every run gives a record, also if it fails. Finished results are stored at once,
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -60,7 +59,6 @@ def run_cases(
 
     A solver that is not installed has no runs, only its entry in `versions`; one selected with a version has a row with
     the reason for each case."""
-    began = time.perf_counter()
     present = calls.present(solvers)
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
     truths = dict(truths) if truths else find_truths(cases, calls)
@@ -69,8 +67,9 @@ def run_cases(
     runs, tasks = _plan(cases, offers_by_case, truths, thin, is_hard, in_detail)
     for place, run in _make(tasks, calls, step, limit, knobs == "ladder"):
         runs[place] = run
-    seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
-    return Experiment(tuple(cases), truths, _with_figures(runs, in_detail), seconds, dict(calls.versions), parts)
+    return Experiment(
+        tuple(cases), truths, _with_figures(runs, in_detail), dict(calls.versions), _our_parts(offers_by_case)
+    )
 
 
 def _our_parts(offers_by_case: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tuple[str, str], str]:

@@ -134,7 +134,6 @@ class Experiment:
     cases: tuple[Case, ...]
     truths: dict[str, Truth]
     runs: tuple[Run, ...]
-    seconds: float
     versions: dict[str, str] = field(default_factory=dict)
     our_parts: dict[tuple[str, str], str] = field(default_factory=dict)
 

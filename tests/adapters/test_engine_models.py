@@ -44,7 +44,7 @@ def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_sli
     found, without = (
         [
             (event.before, event.after)
-            for event in slip_phases.read_transitions(play("exudyn", "integrator", case, setting=s), 0.15)
+            for event in slip_phases.read_contact(play("exudyn", "integrator", case, setting=s), 0.15).transitions
         ]
         for s in (setting, setting.but(cut=None))
     )

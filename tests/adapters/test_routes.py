@@ -100,7 +100,7 @@ def test_case_has_a_row_for_every_route_a_result_or_a_reason(in_process):
 def first_error(name: str, route: str, mu: float, rung: int = -1, setting: Setting | None = None) -> float:
     """Error of the first transition of the paper's application, s."""
     moved = play(name, route, cases.load("disc_in_circle", mu=mu, duration=1.2), rung, setting)
-    return slip_phases.read_transitions(moved, mu)[0].time - FIRST_TRANSITION[mu][0]
+    return slip_phases.read_contact(moved, mu).transitions[0].time - FIRST_TRANSITION[mu][0]
 
 
 # Rung, and the largest error (s) of the first transition there.

@@ -83,7 +83,7 @@ RUNGS = {("exudyn", "native"): (3, 5), ("exudyn", "integrator"): (3, 5), ("pymun
 
 def errors(exact: Trajectory, moved: Trajectory, mu: float) -> np.ndarray:
     """Errors of the transitions' times; fails unless each is found and none invented."""
-    rows = ledger.match(exact.transitions, slip_phases.read_transitions(moved, mu))
+    rows = ledger.match(exact.transitions, slip_phases.read_contact(moved, mu).transitions)
     assert [row.pairing for row in rows] == ["paired"] * len(exact.transitions)
     return np.array([row.error for row in rows])
 

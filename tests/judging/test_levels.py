@@ -24,7 +24,7 @@ def run(place: int, off: float | None, doubt: float = 0.0, setting: Setting | No
 
 
 def table(*runs: Run, truth: Truth | None = None) -> dict[float, dict]:
-    experiment = Experiment((), {"a": truth or Truth(scales={"": SCALE})}, runs, 0.0)
+    experiment = Experiment((), {"a": truth or Truth(scales={"": SCALE})}, runs)
     return {row["level"]: row for row in levels.rows(experiment)}
 
 
@@ -70,5 +70,5 @@ def test_a_level_within_the_doubt_or_the_truths_error_bar_is_not_known():
 )
 def test_the_headline_has_the_smallest_level(offs, expected):
     runs = tuple(run(place, off) for place, off in enumerate(offs))
-    found = levels.finest_level(levels.level_results(Experiment((), {"a": Truth(scales={"": SCALE})}, runs, 0.0)))
+    found = levels.finest_level(levels.level_results(Experiment((), {"a": Truth(scales={"": SCALE})}, runs)))
     assert found == expected or (isnan(found[0]) and isnan(expected[0]) and found[1] == 0)

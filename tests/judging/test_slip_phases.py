@@ -93,7 +93,7 @@ def test_bowling_is_read_to_rounding_for_any_throw_and_grid(v0, mu, count, last)
 @pytest.mark.parametrize("count, bound", [(31, 4.2e-2), (126, 1e-5), (501, 1e-8), (2501, 1e-11)])
 def test_curved_branches_are_read_to_the_documented_error(circle, accuracy, mu, count, bound):
     exact = circle[mu]
-    rows = ledger.match(exact.transitions, slip_phases.read_transitions(sampled(exact, count), mu))
+    rows = ledger.match(exact.transitions, slip_phases.read_contact(sampled(exact, count), mu).transitions)
     assert [row.pairing for row in rows] == ["paired"] * len(exact.transitions)
     worst = max((row.error for row in rows), key=abs)
     output = f"transitions read from {count} samples / s"
@@ -120,7 +120,7 @@ def test_onset_of_slip_is_read_without_forces(circle):
     exact = circle[0.2]
     blind = sampled(exact, 501)
     blind = motion(blind.t, blind.slip)
-    rows = ledger.match(exact.transitions, slip_phases.read_transitions(blind, None))
+    rows = ledger.match(exact.transitions, slip_phases.read_contact(blind, None).transitions)
     assert [row.pairing for row in rows] == ["paired"] * 4
     assert max(abs(row.error) for row in rows) <= 1e-8
 
@@ -140,7 +140,7 @@ def test_noisy_forces_do_not_spoil_the_onset_of_slip(circle):
     clean = sampled(exact, 1001)
     factor = 1.0 + 0.5 * np.random.default_rng(1).standard_normal(1001)
     noisy = motion(clean.t, clean.slip, clean.normal_force * np.abs(factor), clean.friction_force)
-    rows = ledger.match(exact.transitions, slip_phases.read_transitions(noisy, 0.2))
+    rows = ledger.match(exact.transitions, slip_phases.read_contact(noisy, 0.2).transitions)
     assert [row.pairing for row in rows] == ["paired"] * 4
     assert max(abs(row.error) for row in rows) <= 1e-8
 

@@ -38,7 +38,7 @@ def unanswered(case, solver, route, outcome="unsupported") -> Run:
 
 def experiment(*runs, truths=TRUTHS, **our_parts) -> Experiment:
     parts = {(solver, "assisted"): words for solver, words in our_parts.items()}
-    return Experiment((), dict(truths), runs, 0.0, our_parts=parts)
+    return Experiment((), dict(truths), runs, our_parts=parts)
 
 
 def table(*runs, **more):

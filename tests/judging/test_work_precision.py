@@ -60,7 +60,7 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
             times[case.label, solver, "r", rung(setting)] = timing(cpu)
     null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
     nulls = {case.label: null_scores.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
-    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), CostMeasurements((case.label,), times, nulls)
+    return Experiment((case,), {case.label: truth}, tuple(runs)), CostMeasurements((case.label,), times, nulls)
 
 
 def disturb(measured: CostMeasurements, *solvers: str) -> CostMeasurements:

@@ -203,7 +203,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
         Run(case.label, "reference", "taylor", Setting.of(), 0, "unsupported", "it has no series for that curve"),
         Run(case.label, "pymunk", "native", Setting.of(), 0, outcome),
     )
-    ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
+    ran = Experiment((case,), {case.label: Truth()}, runs)
     monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
     monkeypatch.setattr(build, "_study", lambda *_: [])
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
@@ -215,7 +215,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
 
 def test_a_case_that_lost_its_truth_shows_in_the_exit_status_though_nobody_named_it(tmp_path, monkeypatch, capsys):
     case = cases.load("disc_on_line[mu=0.1]")
-    ran = Experiment((case,), {case.label: Truth(failure="its process was ended")}, (), 0.0)
+    ran = Experiment((case,), {case.label: Truth(failure="its process was ended")}, ())
     monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     assert build.main(["--quick", "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 3

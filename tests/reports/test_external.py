@@ -76,7 +76,7 @@ def test_trajectory_is_ranked_nowhere_in_time(report, table):
 @pytest.fixture(scope="module")
 def nothing_yet() -> Experiment:
     """An experiment that knows the truth of CASE and has no run."""
-    return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, (), 0.0)
+    return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, ())
 
 
 def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motion, nothing_yet):

@@ -56,7 +56,7 @@ def run(setting: Setting, error: float, solver: str = "one", rung: int = 1) -> R
 
 
 def experiment(*runs: Run) -> Experiment:
-    return Experiment((CASE,), {CASE.label: truth()}, runs, 0.0)
+    return Experiment((CASE,), {CASE.label: truth()}, runs)
 
 
 # --- the data ---------------------------------------------------------------------------------------------------------

@@ -84,13 +84,13 @@ def test_samples_of_a_motion_hold_its_transitions():
     t = np.linspace(0.0, 2.5, 1500)
     samples = {"t": t, **{name: np.sin(t) for name in motions.TRUE}}
     truth = replace(ROLLS, samples=samples, first_mode=Mode.SLIP_FORWARD)
-    said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
+    said = motions.motion(Experiment((case,), {case.label: truth}, ()), case)
     times = said["t"].values
     assert len(times) == motions.SAMPLES and 0.5 in times
     assert said["lanes"] == [("", [(0.0, "slip_forward", ""), (0.5, "roll", "")])]
     pose, forces = (numbers.values for numbers in said["truth"])
     assert len(pose) + len(forces) == len(motions.TRUE) and np.allclose(pose[0], np.sin(times), atol=2e-5)
-    assert motions.motion(Experiment((case,), {case.label: Truth(failure="none")}, (), 0.0), case) is None
+    assert motions.motion(Experiment((case,), {case.label: Truth(failure="none")}, ()), case) is None
 
 
 def test_the_player_has_the_supports_and_the_contacts_on_them():
@@ -103,7 +103,7 @@ def test_the_player_has_the_supports_and_the_contacts_on_them():
     truth = replace(
         ROLLS, samples=samples, first_mode=Mode.SLIP_FORWARD, contact_samples=dict.fromkeys(names, of_contact)
     )
-    said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
+    said = motions.motion(Experiment((case,), {case.label: truth}, ()), case)
     assert [one["name"] for one in said["contacts"]] == list(names[:3])
     (right,) = said["supports"]
     x, y = right["points"].values

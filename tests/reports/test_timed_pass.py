@@ -166,7 +166,7 @@ def experiment(*given, runs=None, events=None) -> Experiment:
         case.label: Truth(transitions=(Transition(1.0, Mode.SLIDE, Mode.ROLL),) * (events or {}).get(case.label, 1))
         for case in given
     }
-    return Experiment(given, truths, tuple(ladders if runs is None else runs), 0.0)
+    return Experiment(given, truths, tuple(ladders if runs is None else runs))
 
 
 def named(count: int, family: str = "") -> list[cases.Case]:
