@@ -11,7 +11,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache, wraps
 from math import pi
-from typing import Any
+from typing import Any, ParamSpec
 
 from .curves import Curve
 from .derivation import in_one_thread
@@ -22,15 +22,15 @@ from .formulas.expression_code import ON_FLOATS, function_of
 from .formulas.expression_graph import HALF
 from .formulas.expressions import admissible, cos, cosh, exp, sin, value_of
 
-Maker = Callable[..., Curve]
+P = ParamSpec("P")
 
 
-def _memoise(curve: Maker) -> Maker:
+def _memoise(curve: Callable[P, Curve]) -> Callable[P, Curve]:
     """The same curve for the same arguments: what is known of it is worked out once."""
-    memo = lru_cache(maxsize=256, typed=True)(curve)
+    memo: Any = lru_cache(maxsize=256, typed=True)(curve)
 
     @wraps(curve)
-    def call(*sizes, **keywords):
+    def call(*sizes: P.args, **keywords: P.kwargs) -> Curve:
         try:
             return memo(*sizes, **keywords)
         except TypeError:  # what cannot be kept by is no number; the curve says so itself

@@ -9,7 +9,9 @@ of its cases fails the session.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -20,7 +22,8 @@ from adapters import Setting
 from cases import BadValue, Case, CaseError, NotSupported, lookup
 from cases.errors import unknown_name
 
-from .judging.grades import LIMITS, Grade, is_within, percent, summary
+from .judging.grades import LIMITS, Grade, is_within, summary
+from .judging.ledger import LedgerRow
 from .running.records import Run
 from .running.tasks import attempt, find_truth, measure
 
@@ -59,7 +62,12 @@ def tests(session: pytest.Session, config: pytest.Config) -> list[pytest.Item]:
         checks = [check for engine in engines for check in _checks(engine, config.getoption("--case-file"))]
     except (CaseError, ImportError) as problem:
         raise pytest.UsageError(str(problem)) from None
-    return [EngineTest.from_parent(session, name=f"{check.engine}-{check.name}", check=check) for check in checks]
+    names = [f"{check.engine}-{check.name}" for check in checks]
+    # The part before the colons is the class in JUnit's XML, by which dashboards group tests.
+    return [
+        EngineTest.from_parent(session, name=name, nodeid=f"slip-to-roll::{name}", check=check)
+        for name, check in zip(names, checks, strict=True)
+    ]
 
 
 def _check_options(config: pytest.Config) -> None:
@@ -78,7 +86,7 @@ def _check_options(config: pytest.Config) -> None:
 
 def _checks(engine: str, files: list[str]) -> Iterator[_Check]:
     """The tests of an engine: those of the cases in the files, or of all phenomena."""
-    name = engine if engine in adapters.engines() else adapters.lookup.register(engine)
+    name = engine if engine in adapters.engines() else _registered(engine)
     own = [case for file in files for one in lookup.load_file(file) for case in lookup.case_name(one).every()]
     for route in adapters.engine(name).routes:
         suffix = "" if route == "process" else f"-{route}"
@@ -88,6 +96,14 @@ def _checks(engine: str, files: list[str]) -> Iterator[_Check]:
         for phenomenon, label in PHENOMENA.items():
             yield _Check(f"{phenomenon}{suffix}", name, route, cases.select(label)[0])
         yield _Check(f"creep{suffix}", name, route, cases.load(CREEP), of_creep=True)
+
+
+def _registered(engine: str) -> str:
+    """The name of an executable, registered as an engine; raises UnknownName for a word that is near an adapter's."""
+    known = adapters.engines()
+    if Path(engine).name == engine and not Path(engine).exists() and get_close_matches(engine, known):
+        raise unknown_name("engine", engine, known)
+    return adapters.lookup.register(engine)
 
 
 class EngineTest(pytest.Item):
@@ -147,8 +163,9 @@ class EngineTest(pytest.Item):
         if is_right is None:
             pytest.skip(f"not decided by its samples: {words}")
         if not is_right:
+            off, limit = apart(100.0 * run.score.off, 100.0 * LIMITS[worst])
             pytest.fail(
-                f"{words}; {worst} is at most {percent(LIMITS[worst])} of the error of ignoring friction\n"
+                f"{words}; off is {off} %, and {worst} is at most {limit} % of the error of ignoring friction\n"
                 f"{_transitions(run)}",
                 pytrace=False,
             )
@@ -161,9 +178,10 @@ class EngineTest(pytest.Item):
         if not isfinite(run.score.creep):
             pytest.fail(f"{run.case}: the creep is not known: too few samples where the truth rolls", pytrace=False)
         if run.score.creep > MOST_CREEP * speed:
+            creep, limit = apart(run.score.creep, MOST_CREEP * speed)
             pytest.fail(
-                f"{run.case}, {run.setting}: the contact creeps at {run.score.creep:.2g} m/s while the disc rolls at "
-                f"{speed:.2g} m/s on average, more than {MOST_CREEP:.0%} of that",
+                f"{run.case}, {run.setting}: the contact creeps at {creep} m/s, and at most {limit} m/s is right, "
+                f"{MOST_CREEP:.0%} of the disc's mean speed of {speed:.2g} m/s",
                 pytrace=False,
             )
 
@@ -179,10 +197,22 @@ def refusing(reports: Iterable[pytest.TestReport]) -> list[str]:
     return [engine for engine, those in outcomes.items() if those <= {"skipped", "teardown"}]
 
 
+def apart(value: float, limit: float) -> tuple[str, str]:
+    """Both numbers with so many digits, at least two, that they differ as texts."""
+    for digits in range(2, 17):
+        own, other = (f"{float(f'{x:.{digits}g}'):.{max(digits, 6)}g}" for x in (value, limit))
+        if own != other:
+            break
+    return own, other
+
+
 def _transitions(run: Run) -> str:
     """The transitions of a motion next to the truth's, in lines."""
-    rows = [
-        f"  {row.pairing}: {row.before} -> {row.after} at {row.time:.6g} s, truth {row.reference_time:.6g} s"
-        for row in run.ledger
-    ]
+    rows = [f"  {row.pairing}: {row.before} -> {row.after} {_times(row)}" for row in run.ledger]
     return "\n".join(["transitions:", *rows]) if rows else "no transitions"
+
+
+def _times(row: LedgerRow) -> str:
+    """The times of a transition, that of the engine and the true one; "missing" for one that there is not."""
+    own = f"at {row.time:.6g} s" if isfinite(row.time) else "missing"
+    return f"{own}, truth {f'{row.reference_time:.6g} s' if row.is_true else 'missing'}"

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from .plan import Axis, Plan, plan
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from cases import Case
+
+    from .sweep_table import SweepTable
+
+    Scene = str | Case | Callable[..., Case]
 
 __all__ = ["Axis", "Plan", "plan", "sweep", "sweep_chunks"]
 
@@ -18,7 +24,9 @@ CHUNK = 4000
 MANY = 20_000
 
 
-def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any):
+def sweep(
+    case: Scene, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any
+) -> SweepTable:
     """Simulate a case for many parameter values; returns a DataFrame, one row per scenario, NaN where it has no number;
     its `plot_map` draws two parameters, and `to_xarray` gives a grid.
 
@@ -38,7 +46,7 @@ def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int 
 
 
 def sweep_chunks(
-    case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any
+    case: Scene, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any
 ) -> Iterator[pd.DataFrame]:
     """Same as `sweep`, but yields CHUNK rows at a time, so that memory does not grow with the sweep."""
     from . import table

@@ -1,14 +1,19 @@
 """The pytest plugin in an empty folder, as an engine project uses it: a right engine, wrong ones, and wrong options."""
 
 import os
+import re
 import subprocess
 import sys
 from importlib.metadata import entry_points
+from math import nan
 from pathlib import Path
 
 import pytest
 
+from cases import Mode
 from cases.commands import TEMPLATE
+from reports.engine_tests import _times, apart
+from reports.judging.ledger import LedgerRow
 
 ROOT = Path(__file__).parents[2]
 ENGINE = ROOT / "starter" / "engine.py"
@@ -46,10 +51,16 @@ def test_a_right_engine_passes_and_what_it_does_not_support_is_skipped(project):
 
 def test_friction_that_is_a_fifth_too_large_fails_with_the_reason(project):
     status, out = project(
-        *OURS, "-k", "slide_to_roll", change=('{"mu": 0.0})["mu"]\n    bend', '{"mu": 0.0})["mu"] * 1.2\n    bend')
+        *OURS,
+        "-k",
+        "slide_to_roll",
+        "--junitxml=out.xml",
+        change=('{"mu": 0.0})["mu"]\n    bend', '{"mu": 0.0})["mu"] * 1.2\n    bend'),
     )
     assert status == 1 and "1 failed, 6 deselected" in out, out
     assert "of the error of ignoring friction" in out and "slip_forward -> roll" in out and "Traceback" not in out
+    assert 'classname="slip-to-roll"' in (project.folder / "out.xml").read_text()  # dashboards group by it
+    assert re.search(r"off is \d+ %, and good is at most 1 % of", out), out
 
 
 @pytest.mark.parametrize(
@@ -113,7 +124,7 @@ def test_the_cases_of_a_file_replace_the_phenomena(project):
     text = TEMPLATE.format(name="my_valley").replace("(s, -depth * cos(2 * s))", "(s, -0.5 * depth * s)")
     (project.folder / "my_slopes.py").write_text(text)
     status, out = project(*OURS, "--case-file=my_slopes.py", "-rA")
-    assert status == 0 and "PASSED ::my_engine-my_valley" in out and "1 passed" in out, out
+    assert status == 0 and "PASSED slip-to-roll::my_engine-my_valley" in out and "1 passed" in out, out
 
 
 def slowly(*values):
@@ -125,6 +136,7 @@ def slowly(*values):
     ("words", "says"),
     [
         (("--slip-to-roll-engine", "./none"), "none is no executable file"),
+        (("--slip-to-roll-engine", "pymunkk"), "pymunk; did you mean pymunk?"),
         slowly((*OURS, "--slip-to-roll-step", "fast"), "--slip-to-roll-step is 'fast'; give a step in s, for example"),
         slowly((*OURS, "--slip-to-roll-grade", "goood"), "there is no grade 'goood'; choose from excellent, good"),
         slowly((*OURS, "--case-file=none.py"), "none.py"),
@@ -141,3 +153,12 @@ def test_without_its_options_the_plugin_imports_nothing_and_adds_nothing(project
     )
     status, out = project()
     assert status == 0 and "1 passed" in out, out
+
+
+def test_messages_have_the_digits_that_decide_and_no_nan():
+    """ "1 % off; good is at most 1 %" was 1.04 %."""
+    assert apart(1.04, 1.0) == ("1.04", "1")
+    assert apart(170.0, 1.0) == ("170", "1") and apart(1.0000004, 1.0) == ("1.0000004", "1")
+    missed = LedgerRow(1, Mode.ROLL, Mode.REST, nan, 2.038741, nan, "missed")
+    spurious = LedgerRow(1, Mode.FLIGHT, Mode.ROLL, 0.3185, nan, nan, "spurious")
+    assert _times(missed) == "missing, truth 2.03874 s" and _times(spurious) == "at 0.3185 s, truth missing"
