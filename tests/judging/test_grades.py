@@ -6,7 +6,6 @@ from math import inf, nan
 
 import pytest
 
-from reports.analysis.levels import first_within
 from reports.judging.friction_factor import Losses
 from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note, summary
 from reports.judging.score import Scale, Score
@@ -61,21 +60,3 @@ def test_numbers_in_words():
         "6.2 µs", "330 ms", "2 s", "4 ns", "less than 1 ns"
     ]  # fmt: skip
     assert [percent(p) for p in (0.0123, 0.999, 2.78, 1e-9)] == ["1.2 %", "100 %", "280 %", "less than 0.0001 %"]
-
-
-# --- levels -----------------------------------------------------------------------------------------------------------
-
-
-def test_level_is_reached_where_all_finer_settings_stay_within_it():
-    ladder = [(0.005, 0.0), (0.03, 0.0), (0.009, 0.0), (0.004, 0.0)]
-    assert first_within(ladder, 0.01) == (2, 2, True)
-    assert first_within(ladder, 0.001) == (None, 0, True)
-
-
-def test_level_that_one_setting_reaches_is_not_confirmed():
-    assert first_within([(0.03, 0.0), (0.004, 0.0)], 0.01) == (1, 1, True)
-
-
-def test_level_within_the_doubt_is_not_known():
-    assert first_within([(0.03, 0.0), (0.008, 0.005)], 0.01) == (None, 0, False)
-    assert first_within([], 0.01) == (None, 0, True)

@@ -78,7 +78,7 @@ def motions(draw) -> Trajectory:
         f.name: draw(st.from_type(hints[f.name]))
         for hints in [get_type_hints(Trajectory, vars(cases.motion.trajectory), vars(cases) | {"Case": cases.Case})]
         for f in dataclasses.fields(Trajectory)
-        if f.name not in (*columns, "dense", "case", "contact_columns", "plate_columns")
+        if f.name not in (*columns, "dense", "case", "contact_columns", "plate_columns", "impulses")
     }
     return Trajectory(**columns, **rest)
 
