@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from adapters import EngineFailure, Setting
-from cases import Cost, State, Trajectory
+from cases import Cost, CoulombFriction, State, Trajectory
 
 NAME = "fake"
 routes = ("native",)
@@ -167,13 +167,13 @@ def version():
     return "\ud800" * 10**6 if part("version") == "strange" else "1.0"
 
 
-def bowled(case, t) -> Trajectory:
-    """The exact motion of `disc_on_line` with mu = 0.1: it slips until v0/(3 mu g) and rolls from there."""
-    v0, mu, g, r = 1.0, 0.1, 9.81, case.plate.radius
-    turn = v0 / (3 * mu * g)
+def bowled(case, t, delay=0.0) -> Trajectory:
+    """The exact motion of `disc_on_line`: it slips until v0/(3 mu g) and rolls from there; `delay` (s) later, if so."""
+    v0, mu, g, r = case.start.slip, case.effect(CoulombFriction).mu, 9.81, case.plate.radius
+    turn = v0 / (3 * mu * g) + delay
     slipping, rolling = np.minimum(t, turn), np.maximum(t - turn, 0.0)
     vx = v0 - mu * g * slipping
-    slip = np.where(t < turn, v0 - 3 * mu * g * t, 0.0)
+    slip = np.where(t < turn, v0 - 3 * mu * g * (t - delay), 0.0)
     x = v0 * slipping - mu * g * slipping**2 / 2 + (v0 - mu * g * turn) * rolling
     theta = -mu * g * slipping**2 / r - (v0 - mu * g * turn) / r * rolling
     friction = np.where(t < turn, -mu * g, 0.0)

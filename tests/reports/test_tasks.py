@@ -10,7 +10,7 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from adapters.processes.worker import CallResult
-from cases import Mode, NotSupported, Start, State, Trajectory, Transition
+from cases import Mode, NotSupported, Start, Trajectory, Transition
 from reports.analysis import columns, tables
 from reports.judging import several_contacts
 from reports.page import table_files
@@ -18,6 +18,7 @@ from reports.running import clocked_run, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Run, first_error
 from reports.running.true_motions import true_motion
+from tests.fake_adapter import bowled
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
 
@@ -38,18 +39,7 @@ def fake_engine(read, routes=("native",), run=lambda model: None):
 
 def bowling(case, delay=0.0, samples=300, last=1.0) -> Trajectory:
     """The exact motion of `disc_on_line`, its transition late by `delay` seconds."""
-    v0, mu, g, r = 1.0, 0.1, 9.81, 0.1
-    t = np.linspace(0.0, last * case.duration, samples)
-    turn = v0 / (3 * mu * g) + delay
-    slipping = np.minimum(t, turn)
-    slip = np.where(t < turn, v0 - 3 * mu * g * (t - delay), 0.0)
-    vx = v0 - mu * g * slipping
-    x = v0 * slipping - mu * g * slipping**2 / 2 + (v0 - mu * g * turn) * np.maximum(t - turn, 0.0)
-    omega = (slip - vx) / r
-    theta = -mu * g * slipping**2 / r - (v0 - mu * g * turn) / r * np.maximum(t - turn, 0.0)
-    zero = np.zeros(samples)
-    state = State(x, zero + r, theta, vx, zero, omega, slip, zero + g, np.where(t < turn, -mu * g, 0.0), x, x)
-    return Trajectory(t=t, **state._asdict())
+    return bowled(case, np.linspace(0.0, last * case.duration, samples), delay)
 
 
 @pytest.fixture(scope="module")

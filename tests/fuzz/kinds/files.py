@@ -11,6 +11,7 @@ import cases
 from adapters.common import motion_file, motion_table
 from cases import Curve, registry
 from reports.judging import validation
+from tests.fake_adapter import bowled
 
 from ..harness import Kind
 
@@ -22,13 +23,9 @@ def line():
 
 def rolling(count: int = 60) -> list[list[str]]:
     """A motion of that case: slipping, then rolling."""
-    v0, mu, g, r = 1.0, 0.3, 9.81, 0.1
-    t = np.linspace(0.0, line().duration, count)
-    turn = v0 / (3 * mu * g)
-    slipping = np.minimum(t, turn)
-    x = v0 * slipping - mu * g * slipping**2 / 2 + (v0 - mu * g * turn) * np.maximum(t - turn, 0.0)
-    theta = -mu * g * slipping**2 / r - (v0 - mu * g * turn) / r * np.maximum(t - turn, 0.0)
-    return [[f"{a:.9f}", f"{b:.9f}", f"{r:.9f}", f"{c:.9f}"] for a, b, c in zip(t, x, theta, strict=True)]
+    motion = bowled(line(), np.linspace(0.0, line().duration, count))
+    columns = (motion.t, motion.x, motion.y, motion.theta)
+    return [[f"{value:.9f}" for value in row] for row in zip(*columns, strict=True)]
 
 
 CELLS = (
