@@ -51,7 +51,7 @@ def _from_track(case: Case, drive: Drive) -> Case:
         ) from problem
     poses = start_poses(case)[1:].tolist()
     further = tuple(
-        replace(other, plate=_seen(other.plate, drive), start=StartPose(*pose), load=one)
+        replace(other, plate=_plate_in_frame(other.plate, drive), start=StartPose(*pose), load=one)
         for other, pose, one in zip(case.others, poses, loads, strict=True)
     )
     others: list[Effect] = [e for e in case.effects if not isinstance(e, Drive | Load)]
@@ -59,10 +59,10 @@ def _from_track(case: Case, drive: Drive) -> Case:
         others = [e for e in others if not isinstance(e, Gravity)]
     effects = (*others, *([load] if load else []))
     start = replace(case.start, omega=case.start.omega - drive.at(0.0).spin)
-    return replace(case, plate=_seen(case.plate, drive), effects=effects, start=start, others=further)
+    return replace(case, plate=_plate_in_frame(case.plate, drive), effects=effects, start=start, others=further)
 
 
-def _seen(plate: Plate, drive: Drive) -> Plate:
+def _plate_in_frame(plate: Plate, drive: Drive) -> Plate:
     """The plate as the track sees it: one of infinite inertia turns against a track that turns."""
     return SpinningPlate(plate.outline, plate.mass, inf) if drive.is_turning and not plate.turns else plate
 
