@@ -128,10 +128,10 @@ def first_overlap(
 def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: float, xi1: float) -> Contact | None:
     """The deepest overlap of a plate in that pose with its track, or None if there is none; `xi1`: where it is near.
 
-    Smooth curves only: None for a curve with corners or an open outline, and where the nearest points are at an end of
-    the track. Raises DoesNotFit if the nearest points are not found.
+    None for an open outline, and where the nearest points are at an end of the track. Raises DoesNotFit if the nearest
+    points are not found.
     """
-    if isinstance(track, Chain) or isinstance(outline, Chain) or not outline.period:
+    if not outline.period:
         return None
     rounding = ROUNDING * (abs(x) + abs(y) + sizes_of(outline).reach)
     some = nearest_on_elements(track, outline, x, y, theta, -rounding)

@@ -8,6 +8,7 @@ import pytest
 
 from cases import (
     Case,
+    Chain,
     CoulombFriction,
     Curve,
     DoesNotFit,
@@ -82,6 +83,21 @@ def closest(track: Curve, outline: Curve, start: Start) -> float:
         heights = height(grid.ravel()).reshape(grid.shape)
         lowest, wide = grid[np.arange(len(lowest)), heights.argmin(axis=1)], wide / 4.0
     return float(heights.min())
+
+
+@pytest.mark.parametrize("deep", (1e-9, 1e-6, 1e-4))
+def test_a_corner_of_a_box_on_a_step_is_in_the_floor_below(deep):
+    """The middle of a side of 0.2 m touches the step's edge at 1.2 rad: its end is 0.1 sin 1.2 m below the edge."""
+
+    def on_step(height: float) -> Case:
+        track = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, -height), (3.0, -height)])
+        effects = Gravity(9.81), CoulombFriction(0.5), Unilateral()
+        return Case(track, Plate.rectangle(0.2, 0.17, 1.0), effects, Start(4.2, xi2=0.1), 0.1)
+
+    below = 0.1 * np.sin(1.2)
+    on_step(below + deep)
+    with pytest.raises(DoesNotFit, match=f"overlaps its track by {deep:g}"):
+        on_step(below - deep)
 
 
 @quick_every(3)
