@@ -91,11 +91,11 @@ def friction_of_free_plates(d: Draw) -> Steps:
     impulse = abs(speed) / (1.0 / plates[0].mass + 1.0 / plates[1].mass)
     (_, up, spin), (_, other_up, other_spin) = _velocities_after(run, meets + 2 * run.step)
     along = -np.sign(case.start.omega)
-    found = plates[0].inertia * along * (spin - case.start.omega) / ((plates[0].radius or 1.0) * impulse)
-    suspect = f"mu of CoulombFriction between the plates: {found:.4g} would fit, the case has {mu:g}"
+    fit = plates[0].inertia * along * (spin - case.start.omega) / ((plates[0].radius or 1.0) * impulse)
+    suspect = f"mu of CoulombFriction between the plates: {fit:.4g} would fit, the case has {mu:g}"
     # The direction of the contact turns if one plate falls a step longer than the other.
     tolerance = RESTITUTION * mu + run.kick * run.step / (case.plate.reach + plates[1].reach)
-    yield "the impulse on the first spin over the normal one", found - mu, tolerance, suspect
+    yield "the impulse on the first spin over the normal one", fit - mu, tolerance, suspect
     other = plates[1].inertia * along * other_spin / ((plates[1].radius or 1.0) * impulse)
     suspect = "the reaction on the other plate, or the inertia of each"
     yield "the impulse on the second spin over the normal one", other - mu, tolerance, suspect

@@ -100,5 +100,5 @@ def verdict(name: str, folder: str, route: str, law: str, seed: int) -> tuple[st
     """Outcome and reason of a law."""
     from . import judge  # a slow import, which a name that is no adapter's does not need
 
-    (found,) = judge(_adapter(name, folder), [law], [route], seed)
-    return found.outcome, found.reason.encode("utf-8", "backslashreplace").decode()
+    (own,) = judge(_adapter(name, folder), [law], [route], seed)
+    return own.outcome, own.reason.encode("utf-8", "backslashreplace").decode()

@@ -91,9 +91,9 @@ def friction_torque(d: Draw) -> Steps:
     exact = -np.sign(slip) * mu * g * run.motion.t * lever
     # The kick of friction, with the same lever.
     tolerance = mu * run.kick * lever
-    found = float(-np.sign(slip) * run.motion.omega[-1] / (g * run.motion.t[-1] * lever))
+    fit = float(-np.sign(slip) * run.motion.omega[-1] / (g * run.motion.t[-1] * lever))
     suspect = (
-        f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}; or inertia of the plate, or g of Gravity"
+        f"mu of CoulombFriction: {fit:.4g} would fit, the case has {mu:g}; or inertia of the plate, or g of Gravity"
     )
     yield "the spin of a sliding disc", run.motion.omega - exact, tolerance, suspect
 
@@ -129,9 +129,9 @@ def friction_opposes_slip(scene: Case) -> Steps:
     normal, friction = run.forces
     against, push = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, but the sum is not.
-    found = float(against.sum() / push.sum())
-    suspect = f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}"
-    yield "the sum of friction", found - mu, run.tilt + 1e-6, suspect
+    fit = float(against.sum() / push.sum())
+    suspect = f"mu of CoulombFriction: {fit:.4g} would fit, the case has {mu:g}"
+    yield "the sum of friction", fit - mu, run.tilt + 1e-6, suspect
 
 
 @law("sticking threshold")

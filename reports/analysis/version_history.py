@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from math import isfinite
+from math import isfinite, nan
 from typing import NamedTuple
 
 from packaging.version import Version
 
-from ..running.records import Row, Run
+from ..judging.ledger import LedgerRow
+from ..running.records import Row, Run, first_error
 from ..running.versions import split_version
 from .columns import Table, words
 from .number_format import number
@@ -63,34 +64,14 @@ TABLES = {
 }
 
 
-class Answer(NamedTuple):
-    """What a version answered: outcome, error and first transition's error (s), sequence of transitions, and every
-    number of the run, to see whether a digit changed."""
-
-    outcome: str
-    off: float
-    first_error: float
-    sequence: str
-    digits: tuple[float, ...]
-    grade: str = ""
-    reason: str = ""
-
-    @property
-    def text(self) -> str:
-        """Off in percent, or the outcome."""
-        if self.outcome != "answered" or not isfinite(self.off):
-            return self.outcome
-        return f"{number(100 * self.off)} %" if self.off >= _SHOWN_OFF else f"under {100 * _SHOWN_OFF:.4f} %"
-
-
 class HistoryLine(NamedTuple):
-    """A case on a route with a setting, and the answer of each version that was run, oldest first."""
+    """A case on a route with a setting, and the run of each version, oldest first."""
 
     engine: str
     case: str
     route: str
     setting: str
-    answers: dict[str, Answer]
+    answers: dict[str, Run]
 
     @property
     def changes(self) -> dict[str, str]:
@@ -100,34 +81,49 @@ class HistoryLine(NamedTuple):
         return labels | {new: change(self.answers[old], self.answers[new]) for old, new in pairwise(versions)}
 
 
-def answer(run: Run) -> Answer:
-    """The answer in a record of a run."""
-    events = [row for row in run.ledger if row.pairing in ("paired", "spurious")]
-    first = next((row.error for row in run.ledger if row.event == 1 and row.pairing == "paired"), float("nan"))
-    off = run.score.off if run.score else float("nan")
-    sequence = ", ".join(f"{row.before} to {row.after}" for row in sorted(events, key=lambda row: row.time))
-    digits = (off, *run.distance, *(row.time for row in events))
-    return Answer(run.outcome, off, first, sequence, tuple(float(x) for x in digits), run.grade, run.reason)
+def off(run: Run) -> float:
+    """Its error; NaN without a motion."""
+    return run.score.off if run.score else nan
 
 
-def change(old: Answer, new: Answer) -> str:
+def in_words(run: Run) -> str:
+    """Off in percent, or the outcome."""
+    if run.outcome != "answered" or not isfinite(off(run)):
+        return run.outcome
+    return f"{number(100 * off(run))} %" if off(run) >= _SHOWN_OFF else f"under {100 * _SHOWN_OFF:.4f} %"
+
+
+def _sequence(run: Run) -> str:
+    """The transitions that the run has, in their order."""
+    return ", ".join(f"{row.before} to {row.after}" for row in sorted(_events(run), key=lambda row: row.time))
+
+
+def _events(run: Run) -> list[LedgerRow]:
+    return [row for row in run.ledger if row.pairing in ("paired", "spurious")]
+
+
+def _digits(run: Run) -> str:
+    """Every number of the run, to see whether a digit changed; NaN stands for a number that it does not have."""
+    return repr([float(x) for x in (off(run), *run.distance, *(row.time for row in _events(run)))])
+
+
+def change(old: Run, new: Run) -> str:
     """ "changed", "digits" or "same"."""
     if old.outcome != new.outcome:
         return "changed"
     if old.outcome != "answered":
         return "same"
-    larger = max(old.off, new.off)
-    if old.sequence != new.sequence or (abs(new.off - old.off) > CHANGE * larger and larger > LEAST_OFF):
+    larger = max(off(old), off(new))
+    if _sequence(old) != _sequence(new) or (abs(off(new) - off(old)) > CHANGE * larger and larger > LEAST_OFF):
         return "changed"
-    # NaN stands for a number that neither run has.
-    return "same" if repr(old.digits) == repr(new.digits) else "digits"
+    return "same" if _digits(old) == _digits(new) else "digits"
 
 
-def is_better(old: Answer, new: Answer) -> bool:
+def is_better(old: Run, new: Run) -> bool:
     """Whether a changed answer is the better one."""
     if old.outcome != new.outcome:
         return new.outcome == "answered"
-    return new.off < old.off
+    return off(new) < off(old)
 
 
 def lines(runs: Iterable[Run]) -> list[HistoryLine]:
@@ -136,14 +132,14 @@ def lines(runs: Iterable[Run]) -> list[HistoryLine]:
     A route that a version does not support at all has one run without a setting; it is its answer at every setting that
     other versions have.
     """
-    answers: dict[tuple[str, str, str, str], dict[str, Answer]] = {}
-    without_setting: dict[tuple[str, str, str], dict[str, Answer]] = {}
+    answers: dict[tuple[str, str, str, str], dict[str, Run]] = {}
+    without_setting: dict[tuple[str, str, str], dict[str, Run]] = {}
     for run in runs:
         engine, version = split_version(run.solver)
         if run.setting.values:
-            answers.setdefault((engine, run.case, run.route, str(run.setting)), {})[version] = answer(run)
+            answers.setdefault((engine, run.case, run.route, str(run.setting)), {})[version] = run
         else:
-            without_setting.setdefault((engine, run.case, run.route), {})[version] = answer(run)
+            without_setting.setdefault((engine, run.case, run.route), {})[version] = run
     result = []
     for key, by_version in answers.items():
         whole = without_setting.get(key[:3], {}) | by_version
@@ -156,8 +152,8 @@ def run_rows(all_lines: Sequence[HistoryLine]) -> list[Row]:
     return [
         {
             "engine": line.engine, "version": version, "case": line.case, "route": line.route, "setting": line.setting,
-            "outcome": each.outcome, "off": each.off, "first_transition_error": each.first_error,
-            "sequence": each.sequence, "grade": each.grade, "reason": each.reason, "change": line.changes[version],
+            "outcome": each.outcome, "off": off(each), "first_transition_error": first_error(each),
+            "sequence": _sequence(each), "grade": each.grade, "reason": each.reason, "change": line.changes[version],
         }
         for line in all_lines
         for version, each in line.answers.items()
@@ -169,11 +165,11 @@ def line_rows(all_lines: Sequence[HistoryLine]) -> list[Row]:
     rows: list[Row] = []
     for line in all_lines:
         kinds, oldest = line.changes, next(iter(line.answers.values()))
-        answers = [f"{v}: {line.answers[v].text}" for v, kind in kinds.items() if kind == "changed"]
+        answers = [f"{v}: {in_words(line.answers[v])}" for v, kind in kinds.items() if kind == "changed"]
         rows.append(
             {
                 "engine": line.engine, "case": line.case, "route": line.route, "setting": line.setting,
-                "oldest": oldest.text, "changes": "; ".join(answers),
+                "oldest": in_words(oldest), "changes": "; ".join(answers),
                 "digits": ", ".join(v for v, kind in kinds.items() if kind == "digits"),
             }
         )  # fmt: skip

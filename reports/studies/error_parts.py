@@ -14,7 +14,6 @@ energy lost as a share of the largest true kinetic energy, final centre in m.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
@@ -71,22 +70,25 @@ _MATTERS = 0.01
 _LAST_STEPS = 2.5
 
 
-@dataclass(frozen=True)
-class ErrorCell:
-    """One setting of a grid and its outcome: "answered", "unsupported", "crashed" or "timed_out".
+class ErrorCell(NamedTuple):
+    """A run of a grid. `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is
+    none."""
 
-    `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none. `off`: the
-    score of the motion.
-    """
+    run: Run
+    errors: dict[str, np.ndarray] = {}
 
-    case: str
-    solver: str
-    route: str
-    setting: Setting
-    outcome: str
-    reason: str = ""
-    errors: dict[str, np.ndarray] = field(default_factory=dict)
-    off: float = nan
+    @property
+    def off(self) -> float:
+        """The score of the motion; NaN without one."""
+        return self.run.score.off if self.run.score else nan
+
+    @property
+    def reason(self) -> str:
+        """The transitions that are not paired with the truth's, or the reason of another outcome."""
+        if self.run.outcome != "answered":
+            return self.run.reason
+        others = [row.pairing for row in self.run.ledger if row.pairing != "paired"]
+        return ", ".join(f"{others.count(kind)} {kind}" for kind in dict.fromkeys(others))
 
 
 # --- measuring --------------------------------------------------------------------------------------------------------
@@ -102,17 +104,14 @@ def run(request: Request, calls: Calls) -> list[ErrorCell]:
 def cell_of(run: Run, truth: Truth) -> ErrorCell:
     """The signed errors of a run; those at its end are NaN for a motion that ends early."""
     if run.outcome != "answered" or run.score is None:
-        return ErrorCell(run.case, run.solver, run.route, run.setting, run.outcome, run.reason)
-    differences = [row.pairing for row in run.ledger if row.pairing != "paired"]
+        return ErrorCell(run)
     t, energy, centre = run.off["t"], nan, (nan, nan)
     last = float(truth.samples["t"][-1]) - _LAST_STEPS * float(np.max(np.diff(t), initial=0.0))
     if len(t) and (t[-1] >= last or truth.status == "lift_off"):
         energy = run.off["energy_share"][0] - run.off["energy_share"][-1]
         centre = run.off["x"][-1], run.off["y"][-1]
     errors = {"first_transition_time": [first_error(run)], "energy_lost": [energy], "final_centre": centre}
-    reason = ", ".join(f"{differences.count(kind)} {kind}" for kind in dict.fromkeys(differences))
-    arrays = {quantity: np.array(values, dtype=float) for quantity, values in errors.items()}
-    return ErrorCell(run.case, run.solver, run.route, run.setting, "answered", reason, arrays, run.score.off)
+    return ErrorCell(run, {quantity: np.array(values, dtype=float) for quantity, values in errors.items()})
 
 
 # --- decomposition ----------------------------------------------------------------------------------------------------
@@ -124,14 +123,14 @@ class Grid:
     def __init__(self, cells: Sequence[ErrorCell]):
         values: dict[str, list] = {}
         for cell in cells:
-            for parameter, value in dict(cell.setting).items():
+            for parameter, value in dict(cell.run.setting).items():
                 scale = values.setdefault(parameter, [])
                 scale += [value] if value not in scale else []
         self.parameters = sorted(
             (k for k, scale in values.items() if len(scale) > 1), key=lambda parameter: parameter != "h"
         )
         self.levels = [values[parameter] for parameter in self.parameters]
-        self.cells = {self.place(cell.setting): cell for cell in cells}
+        self.cells = {self.place(cell.run.setting): cell for cell in cells}
 
     def place(self, setting: Setting) -> tuple[int, ...]:
         """The place of a setting: an index for every parameter."""
@@ -223,10 +222,10 @@ def rows(cells: Sequence[ErrorCell]) -> dict[str, list[dict[str, Any]]]:
         grid = Grid(group)
         for quantity in QUANTITIES if grid.parameters else ("",):
             for cell in group:
-                row = {**common, "quantity": quantity, "setting": _vary(grid, cell.setting)}
+                row = {**common, "quantity": quantity, "setting": _vary(grid, cell.run.setting)}
                 row |= _reason(grid, cell, quantity)
                 row |= {"off": cell.off, "grade": str(grade(cell.off)) if isfinite(cell.off) else ""}
-                table_rows.append({**row, "outcome": cell.outcome, "reason": cell.reason})
+                table_rows.append({**row, "outcome": cell.run.outcome, "reason": cell.reason})
     return {"error_parts": table_rows}
 
 
@@ -234,7 +233,7 @@ def _reason(grid: Grid, cell: ErrorCell, quantity: str) -> dict[str, Any]:
     if not grid.parameters:
         blank = {name: nan for name in ("total", "finest_error", "step_part", "model_part", "interaction")}
         return {**blank, "model_parts": "", "turn_next": "", "makes_worse": ""}
-    place = grid.place(cell.setting)
+    place = grid.place(cell.run.setting)
     error_parts = parts(grid, place, quantity)
     turn, worse = advice(grid, place, quantity)
     words = " ".join(f"{parameter}={part:.2g}" for parameter, part in error_parts.parameter_parts.items())
@@ -251,7 +250,7 @@ def by_route(cells: Sequence[ErrorCell]) -> dict[tuple[str, str, str], list[Erro
     """The cells of each case, solver and route."""
     groups: dict[tuple[str, str, str], list[ErrorCell]] = {}
     for cell in cells:
-        groups.setdefault((cell.case, cell.solver, cell.route), []).append(cell)
+        groups.setdefault((cell.run.case, cell.run.solver, cell.run.route), []).append(cell)
     return groups
 
 
@@ -264,7 +263,7 @@ def summary(cells: Sequence[ErrorCell]) -> str:
         place = [0] * len(grid.parameters)
         now = grid.off(place)
         if not grid.parameters or not isfinite(now):
-            sentences.append(f"{solver} {route} in {case}: {group[0].reason or group[0].outcome}")
+            sentences.append(f"{solver} {route} in {case}: {group[0].reason or group[0].run.outcome}")
             continue
         changes = []
         for parameter, levels in zip(grid.parameters, grid.levels, strict=True):

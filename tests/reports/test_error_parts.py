@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from adapters import Setting
 from reports import study
+from reports.running.records import Run
 from reports.studies import error_parts
 from reports.studies.error_parts import ErrorCell
 
@@ -20,11 +22,8 @@ def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[
         for n in facets:
             found = {"first_transition_time": np.array([error(h, n)])}
             found |= {"energy_lost": np.array([np.nan]), "final_centre": np.array([np.nan, np.nan])}
-            cells.append(
-                ErrorCell(
-                    "case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "answered", "", found
-                )
-            )
+            setting = Setting.of(h=h, facets=n, slop=1e-6, **extra)
+            cells.append(ErrorCell(Run("case", "engine", "native", setting, 1, "answered"), found))
     return cells
 
 
@@ -59,7 +58,7 @@ def test_parts_always_add_up_to_the_error():
 def test_parts_of_a_distance_are_told_along_it():
     cells = made_up(lambda h, n: 0.0)
     for cell in cells:
-        h, n = cell.setting["h"], cell.setting["facets"]
+        h, n = cell.run.setting["h"], cell.run.setting["facets"]
         cell.errors["final_centre"] = np.array([0.3 * h, 4.0 / n])
     row = output(cells, 4.0, 10, "final_centre")
     assert row["total"] == pytest.approx(np.hypot(1.2, 0.4))
@@ -77,7 +76,7 @@ def test_knob_to_turn_is_the_one_whose_notch_helps_most():
 
 def test_failed_run_is_a_row_and_no_advice():
     cells = made_up(lambda h, n: h if (h, n) != (2.0, 10) else np.nan)
-    cells[3] = ErrorCell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
+    cells[3] = ErrorCell(replace(cells[3].run, outcome="crashed", reason="It blew up."))
     row = output(cells, 2.0, 10)
     assert (row["outcome"], row["reason"], row["turn_next"]) == ("crashed", "It blew up.", "none")
     assert np.isnan(row["total"])

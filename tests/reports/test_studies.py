@@ -28,7 +28,7 @@ WHO = ("engine", "native")
 def short_results() -> dict[str, Any]:
     """A result of each study that has next to no rows; made by the first test that reads them."""
     return {
-        "error_parts": [error_parts.ErrorCell(CASE.label, *WHO, Setting.of(), "unsupported", "No such curve.")],
+        "error_parts": [error_parts.ErrorCell(Run(CASE.label, *WHO, Setting.of(), 1, "unsupported", "No such curve."))],
         "published": published.run(studies.Request(), None)[:1],
         "stability": stability.Stability((CASE,), {CASE.label: SCENE}, (ROW,)),
     }  # fmt: skip
