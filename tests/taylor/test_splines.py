@@ -10,6 +10,7 @@ from cases.library import line
 from reference.minimal import assembly
 from tests.sampling import quick_every
 from tests.scenes import second as second_states
+from tests.scenes.agreement import agree
 
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 
@@ -27,16 +28,6 @@ def released(track, x, effects=GRIP, plate=None, duration=3.0):
 
 def names(transitions):
     return [(t.before, t.after) for t in transitions]
-
-
-def agree(case, bound, rtol=1e-11):
-    """The first formulation's motion; asserts that both have the same transitions within `bound` (s)."""
-    motion = reference.simulate(case, rtol=rtol)
-    other = second_states.motion(case, rtol=rtol)
-    assert names(motion.transitions) == names(other.transitions) and motion.status == other.status
-    for one, two in zip(motion.transitions, other.transitions, strict=True):
-        assert one.time == pytest.approx(two.time, abs=bound)
-    return motion
 
 
 @pytest.mark.slow
