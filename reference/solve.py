@@ -144,7 +144,12 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
     cpu, wall = time.thread_time(), time.perf_counter()
     solution = problem.solve()
     cost = Cost(time.thread_time() - cpu, time.perf_counter() - wall, setup_s=setup)
-    return problem.trajectory(solution, cost)
+    motion = problem.trajectory(solution, cost)
+    logging.getLogger("reference").info(
+        "%s by %s: %s, %d transitions, %d steps, %.3g s of CPU time",
+        case.label, method, motion.status, len(motion.transitions), motion.cost.steps, cost.cpu_s,
+    )  # fmt: skip
+    return motion
 
 
 @dataclass(frozen=True)

@@ -100,9 +100,9 @@ def _checks(engine: str, files: list[str]) -> Iterator[_Check]:
 
 def _registered(engine: str) -> str:
     """The name of an executable, registered as an engine; raises UnknownName for a word that is near an adapter's."""
-    known = adapters.engines()
-    if Path(engine).name == engine and not Path(engine).exists() and get_close_matches(engine, known):
-        raise unknown_name("engine", engine, known)
+    names = adapters.engines()
+    if Path(engine).name == engine and not Path(engine).exists() and get_close_matches(engine, names):
+        raise unknown_name("engine", engine, names)
     return adapters.lookup.register(engine)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import logging
 import os
 import signal
 import sys
@@ -13,7 +14,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from contextvars import ContextVar
 from typing import Any, NoReturn
 
-from ..errors import BadValue, CaseError, printable, unknown_name
+from ..errors import BadValue, CaseError, choice, printable, unknown_name
 from . import owned_folder
 
 # Equations in quadruple precision need 1.5 GB of address space to compile. With less than 1 GB SciPy's BLAS waits for
@@ -31,11 +32,19 @@ def program(command: str) -> str:
     return f"{PROGRAMS.get().get(module, f'python -m {module}')} {rest}".strip()
 
 
+# What --log-level accepts: messages of that kind and of those after it are printed.
+LOG_LEVELS = ("debug", "info", "warning", "error")
+
+
 class Parser(argparse.ArgumentParser):
-    """An argument parser that reports errors as CaseError, in one sentence, and accepts no abbreviated options."""
+    """An argument parser that reports errors as CaseError, in one sentence, and accepts no abbreviated options. All
+    commands have its option --log-level, of the messages that this process logs."""
 
     def __init__(self, **how):
         super().__init__(allow_abbrev=False, **how)
+        self.add_argument(
+            "--log-level", metavar="LEVEL", help=f"messages to print: {', '.join(LOG_LEVELS)} (default: warning)"
+        )
 
     def parse_args(self, args=None, namespace=None):
         """As argparse, which takes "--name=--" for an option without a value and then returns a list for it."""
@@ -43,7 +52,12 @@ class Parser(argparse.ArgumentParser):
         for word in words:
             if word.startswith("--") and word.endswith("=--"):
                 self.error(f"{word.removesuffix('=--')} has no value but --")
-        return super().parse_args(words, namespace)
+        result = super().parse_args(words, namespace)
+        level = vars(result).pop("log_level")
+        if level is not None:
+            level = choice("--log-level", level, LOG_LEVELS)
+            logging.basicConfig(level=level.upper(), format="%(name)s: %(message)s", stream=sys.stderr, force=True)
+        return result
 
     def error(self, message: str) -> NoReturn:
         """Raise UnknownName for an unknown option, BadValue for anything else."""

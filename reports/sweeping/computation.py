@@ -7,6 +7,7 @@ is isolated; that scenario is a row of failure.
 from __future__ import annotations
 
 import inspect
+import logging
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -140,6 +141,7 @@ def _provenance(work: SweepWork, folder: Folder, kind: str, machines: Machines) 
         return 0
     for part, content in machines.progress(title, len(pending), machines.compute(work, pending)):
         folder.add_part(kind, part.start, content)
+        logging.getLogger("reports").info("%s: scenarios %d to %d are done", name, part.start, part.stop - 1)
     return sum(part.stop - part.start for part in pending)
 
 

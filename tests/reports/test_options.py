@@ -14,6 +14,8 @@ from reports import animate, build, cli, deposit, options, show, sweep
 ROOT = Path(__file__).parents[2]
 # As the argument of `python -m`; "" has no module.
 COMMANDS = sorted({module for module, _ in cli.COMMANDS.values()} - {"", "cases.commands"} | {"cases", "reports.cli"})
+# Lists of commands, and the program that checks proofs without the suite's code.
+OTHER_PARSER = {"cases", "reports.cli", "reference.proof_checker.__main__"}
 # What a command needs to run something. Each takes a good part of a second to import, so that help comes late.
 SLOW = {"exudyn", "pymunk", "heyoka", "pybullet", "matplotlib", "pandas", "scipy", "sympy"}
 
@@ -25,6 +27,7 @@ def test_help_imports_nothing_slow_and_writes_nothing(command, tmp_path):
         cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert re.search("python -m |slip-to-roll", output.stdout) and list(tmp_path.iterdir()) == []
+    assert "--log-level" in output.stdout or command in OTHER_PARSER
     imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in output.stderr.splitlines()}
     assert not imported & SLOW
 
@@ -45,6 +48,16 @@ def test_an_option_means_the_same_in_every_command():
     assert all(set(how) <= {"metavar", "nargs", "action", "default", "help"} for how in options._OPTIONS.values())
     many = options.parser("x", "", "solver", "jobs").parse_args(["--solver", "a", "b", "--solver", "c"])
     assert (many.solver, many.jobs) == (["a", "b", "c"], options._OPTIONS["jobs"]["default"])
+
+
+def test_every_command_logs_at_the_level_asked_for(tmp_path, capsys):
+    words = [sys.executable, "-m", "reports.cli", "cases", "export", "disc_on_line", "--out", str(tmp_path / "a")]
+    info = subprocess.run([*words, "--log-level", "info"], capture_output=True, text=True, check=True)
+    assert re.search("^reference: disc_on_line by .*: completed, 1 transitions, ", info.stderr, re.M)
+    error = subprocess.run([*words, "--force", "--log-level", "error"], capture_output=True, text=True, check=True)
+    assert error.stderr == ""
+    assert sweep.main(["disc_on_line", "--vary", "mu=0.1", "--log-level", "loud"]) == 2
+    assert "there is no --log-level 'loud'; choose from debug, error, info, warning" in capsys.readouterr().err
 
 
 # --- cases made by hand -----------------------------------------------------------------------------------------------
