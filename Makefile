@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-com
 # Where this is set, each of the many processes of a report or a test compiles all its imports again: 9 s of CPU, not 3.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report quick test test-builds test-all smoke walk check gallery docs browser matrix clean
+.PHONY: report quick shell test test-builds test-all smoke walk check gallery docs browser matrix clean
 
 # Engines in addition to exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They remain installed.
 EXTRAS ?=
@@ -22,6 +22,10 @@ report: $(VENV)/installed $(WANTED)
 
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
+
+# A shell in which the commands of the README are found; `exit` leaves it.
+shell: $(VENV)/installed
+	@PATH="$(CURDIR)/$(BIN):$$PATH" VIRTUAL_ENV="$(CURDIR)/$(VENV)" $${SHELL:-/bin/sh}
 
 # Two processes on two cores: hardly a test waits, and each process imports and collects all tests, 9 s of CPU.
 JOBS ?= 2

@@ -1,11 +1,11 @@
-"""The command `python -m cases`.
+"""The command `slip-to-roll cases`.
 
-    python -m cases [list]                     lists every case, hard ones with a star
-    python -m cases new NAME [--force]         writes NAME.py, a commented case to start from
-    python -m cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
-                                               happens
-    python -m cases show CASE [mu=0.3 …]       a picture of scene and motion, facts, and which solvers can run it
-    python -m cases export CASE [mu=0.3 …]     the scene and its true transitions as JSON and CSV
+    slip-to-roll cases [list]                     lists every case, hard ones with a star
+    slip-to-roll cases new NAME [--force]         writes NAME.py, a commented case to start from
+    slip-to-roll cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
+                                                  happens
+    slip-to-roll cases show CASE [mu=0.3 …]       a picture of scene and motion, facts, and which solvers can run it
+    slip-to-roll cases export CASE [mu=0.3 …]     the scene and its true transitions as JSON and CSV
 
 CASE is NAME, "NAME[parameter=value,…]", FILE.py or FILE.py:FUNCTION, in every command of the suite.
 
@@ -45,7 +45,7 @@ _NARROWEST = 20
 LONGEST_NAME = 100
 NO_SOLVER = "no solver is installed that could run it (pip install -e .)"
 
-TEMPLATE = '''"""One case of your own. Edit the expression, then: python -m cases check {name}.py"""
+TEMPLATE = '''"""One case of your own. Edit the expression, then: slip-to-roll cases check {name}.py"""
 
 from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, case, disc
 from cases.curves import cos

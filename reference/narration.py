@@ -1,4 +1,4 @@
-"""A motion described in one line: the output of `python -m cases check` for each case."""
+"""A motion described in one line: the output of `slip-to-roll cases check` for each case."""
 
 from __future__ import annotations
 

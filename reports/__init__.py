@@ -1,3 +1,3 @@
-"""Runs cases with solvers and writes tables, figures and a page: `python -m reports.build`."""
+"""Runs cases with solvers and writes tables, figures and a page: `slip-to-roll report`."""
 
 import cases.files.keyboard_interrupt  # noqa: F401

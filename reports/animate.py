@@ -1,4 +1,4 @@
-"""`python -m reports.animate CASE [mu=0.3 …] [--out FILE.gif]`: write an animation of the true motion, GIF or MP4.
+"""`slip-to-roll cases film CASE [mu=0.3 …] [--out FILE.gif]`: write an animation of the true motion, GIF or MP4.
 
 It plays in real time if that takes a few seconds, otherwise slowed down or sped up by a round factor, which it shows.
 """

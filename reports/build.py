@@ -1,4 +1,4 @@
-"""The full report: `python -m reports.build`, or `report([case, …])` from Python.
+"""The full report: `slip-to-roll report`, or `report([case, …])` from Python.
 
 `options` checks all arguments before any file is written. Slow modules are imported when they are needed, so that help
 and errors appear at once.

@@ -1,4 +1,4 @@
-"""`python -m reports.compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
+"""`slip-to-roll compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
 
 Columns of the file: `adapters.common.motion_table`. A folder with `submission.toml` has motions of several cases, a
 line for each. Exit status: 0 if all could be judged, whatever their grades; 2, with one sentence, for the first that

@@ -1,4 +1,4 @@
-"""`python -m reports.compare A B`: differences between two reports, of two machines, versions or days.
+"""`slip-to-roll compare A B`: differences between two reports, of two machines, versions or days.
 
 With the same code and machine, grades and errors must be equal to the last digit. Times vary; only differences outside
 both reports' intervals are shown.
@@ -74,7 +74,7 @@ def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildCompari
     Raises BadValue for a folder without a report or without the solver, and for reports of two formats."""
     for folder in (one, other):
         if not list((folder / "tables").glob("*.csv")) or not (folder / "manifest.json").is_file():
-            raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
+            raise BadValue(f"{folder} contains no report; give a folder that `slip-to-roll report --out` wrote")
     formats = [_manifest(folder / "manifest.json").get("format", 1) for folder in (one, other)]
     if formats[0] != formats[1]:
         raise BadValue(f"{one} has the format {formats[0]} and {other} {formats[1]}; build the older one again")

@@ -1,4 +1,4 @@
-"""`python -m reports.deposit docs/results/VERSION`: pack a published report for a data repository.
+"""`slip-to-roll release deposit docs/results/VERSION`: pack a published report for a data repository.
 
 The archive contains the files of the published report as they are, and metadata: `.zenodo.json` for Zenodo,
 `datacite.json` with the properties of DataCite 4 for other repositories, and `CITATION.cff`. The repository adds the
@@ -88,7 +88,9 @@ def _release(folder: Path) -> _Release:
     except (ValueError, LookupError, TypeError, RecursionError):
         version = date = name = title = path = None
     if not all(isinstance(word, str) and word.isprintable() for word in (version, date, name, title, path)):
-        raise BadValue(f"{folder} contains no published report; give a folder that `python -m reports.publish` wrote")
+        raise BadValue(
+            f"{folder} contains no published report; give a folder that `slip-to-roll release publish` wrote"
+        )
     if not re.fullmatch(r"[0-9][A-Za-z0-9.+]*", version) or not re.fullmatch(r"\d{4}-\d\d-\d\d", date):
         raise BadValue(f"version {version!r} or date {date!r} in {folder / PACKAGE} is not valid; publish it again")
     return _Release(version, date, {"name": name, "title": title, "path": path})

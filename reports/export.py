@@ -1,4 +1,4 @@
-"""`python -m cases export NAME [mu=0.3 …] [--out DIR] [--points N]`: write a case as data for other tools.
+"""`slip-to-roll cases export NAME [mu=0.3 …] [--out DIR] [--points N]`: write a case as data for other tools.
 
 Writes scene.json (`adapters.by_process.scene_file`, the input of executables, with the true transitions and their error
 bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion: its samples in

@@ -1,4 +1,4 @@
-"""`python -m reports.compare BASELINE REPORT --worse-than 10%`: whether a report is worse than a baseline.
+"""`slip-to-roll compare BASELINE REPORT --worse-than 10%`: whether a report is worse than a baseline.
 
 Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT. A run is worse
 if it has no motion any more, if it is missing, or if its error (off) has grown by more than --worse-than, by more than
@@ -99,7 +99,7 @@ def _results(folder: Path, solvers: Sequence[str]) -> dict[tuple[str, str, str, 
     """The runs of a report by case, solver (without version), route and setting; raises BadValue."""
     file = folder / "tables" / "trajectories.csv"
     if not file.is_file():
-        raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
+        raise BadValue(f"{folder} contains no report; give a folder that `slip-to-roll report --out` wrote")
     frame = read_table(file, dtype=str, keep_default_na=False)
     missing = [name for name in (*KEYS, *VALUES) if name not in frame.columns]
     if missing:

@@ -1,4 +1,4 @@
-"""`python -m reports.history ENGINE…`: the answers of an engine over its released versions, as pages and tables.
+"""`slip-to-roll history ENGINE…`: the answers of an engine over its released versions, as pages and tables.
 
 Every version that the package index has and the adapter supports is installed into an environment of its own
 (`running.versions`) and runs the same scenes, with default settings and with one fine setting. Finished runs are stored

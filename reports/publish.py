@@ -115,7 +115,7 @@ def releases(results: Path = RESULTS) -> list[Path]:
 # --- conditions of publication ----------------------------------------------------------------------------------------
 
 
-_AGAIN = "give a report that `python -m reports.build` wrote"
+_AGAIN = "give a report that `slip-to-roll report` wrote"
 _LARGEST = 100 * 2**20  # size limit of a file, bytes; the largest of a full report has a tenth of it
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+!-]*")
 
@@ -185,7 +185,7 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
     }
     problem = next((words for words, is_so in problems.items() if is_so), "")
     if problem:
-        raise BadValue(f"the report in {report} {problem}; give a complete one: commit, then `python -m reports.build`")
+        raise BadValue(f"the report in {report} {problem}; give a complete one: commit, then `slip-to-roll report`")
 
 
 # --- files of the published report ------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
-"""`python -m cases show NAME [mu=0.3 …] [--case-file FILE] [--out FILE]`: draw scene and motion, and print the facts.
+"""`slip-to-roll cases show NAME [mu=0.3 …] [--case-file FILE] [--out FILE]`: draw scene and motion, print the facts.
 
 With `--engines` also what the engines make of it: their motions, and their errors against their steps.
-It is in `reports` because it needs solvers; `python -m cases` finds it as an entry point.
+It is in `reports` because it needs solvers; `slip-to-roll cases` finds it as an entry point.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m reports.study NAME`: make one study and write its tables into a folder."""
+"""`slip-to-roll report study NAME`: make one study and write its tables into a folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`python -m reports.submit FOLDER`: an older name of `reports.compare FOLDER`, for one version."""
+"""`slip-to-roll submit FOLDER`: an older name of `reports.compare FOLDER`, for one version."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""`python -m reports.sweep CASE --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200`: a row per scenario, and maps."""
+"""`slip-to-roll sweep CASE --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200`: a row per scenario, and maps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A case as plain data for a program in any language: what `python -m cases export` writes and an executable reads.
+"""A case as plain data for a program in any language: what `slip-to-roll cases export` writes and an executable reads.
 
 `scene.schema.json` defines the form, with its version. A scene does not contain the true motion.
 """

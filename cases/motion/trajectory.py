@@ -458,7 +458,7 @@ class Trajectory:
     def to_csv(self, path: str | Path, count: int | None = None) -> Path:
         """Write that table with all digits, and an empty cell for a missing value (slip in flight); returns the path.
 
-        `python -m reports.compare` and `--trajectory` read such files."""
+        `slip-to-roll compare` and `--trajectory` read such files."""
         from ..files.owned_folder import atomic_path  # of files alone
 
         file = place("file", path)

@@ -51,7 +51,7 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
     """The command that reproduces one case's figures and tables; with an empty label, those of all cases."""
     if not label:
         return manifest["command"]
-    return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
+    return f'slip-to-roll report {manifest["options"]} --case "{label}"'.replace("  ", " ")
 
 
 def anchor(label: str) -> str:

@@ -1,4 +1,4 @@
-"""External trajectories in the full report: `python -m reports.build --trajectory NAME@CASE=FILE.csv`.
+"""External trajectories in the full report: `slip-to-roll report --trajectory NAME@CASE=FILE.csv`.
 
 NAME becomes a separate solver with the route "file" and the file's name as its setting; several files with one name are
 its rungs, from coarse to fine in the order of the options. They are read and judged as by `reports.compare`. Their run

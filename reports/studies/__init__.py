@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 # What to type for the study `maps` of older versions.
-MAPS = "python -m reports.sweep disc_in_circle --vary mu=0.01:0.4:121 --vary xi1=0:1.5:91"
+MAPS = "slip-to-roll sweep disc_in_circle --vary mu=0.01:0.4:121 --vary xi1=0:1.5:91"
 # Studies of older versions that measure the suite itself or depend on no engine, and their modules in a clone.
 MOVED = {name: f"tests.benchmarks.{name}" for name in ("meanings", "paper", "reference_cost", "settings", "uniqueness")}
 

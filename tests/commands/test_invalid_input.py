@@ -349,7 +349,7 @@ CALLS = {
             (lambda name=name: studies.study(name), f"in a clone type: python -m tests.benchmarks {name}")
             for name in studies.MOVED
         ),
-        (lambda: studies.study("maps"), "maps is a sweep; type: python -m reports.sweep disc_in_circle"),
+        (lambda: studies.study("maps"), "maps is a sweep; type: slip-to-roll sweep disc_in_circle"),
     ],
     DoesNotFit: [
         (lambda: in_circle(r=1.5), "smaller plate"),
@@ -594,7 +594,7 @@ LINES = [
     ("laws json", "json is not an adapter: it lacks NAME, routes,"),
     ("laws .", "the adapter . fails while it is imported: TypeError: "),
     ("laws", "the following arguments are required: ADAPTER; see"),
-    ("laws formula.py --rout native", "there is no option '--rout'; choose from --help, --law, --route"),
+    ("laws formula.py --rout native", "there is no option '--rout'; choose from --help, --law, --log-level, --route"),
     ("cases shwo", "choose from"),
     ("cases new", "new NAME"),
     ("cases new 'my valley'", "cannot name a case"),

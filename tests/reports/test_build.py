@@ -134,7 +134,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
         assert (report / target).exists(), target
     for target in re.findall(r'href="#([^"]+)"', bare):
         assert f'id="{target}"' in bare, target
-    remake = "python -m reports.build --quick --solver reference pymunk --case &#34;NAME&#34;"
+    remake = "slip-to-roll report --quick --solver reference pymunk --case &#34;NAME&#34;"
     assert remake in page
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 import re
 import shutil
+import subprocess
 import zipfile
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -95,6 +97,26 @@ def test_what_is_cited_and_packed_is_the_last_release():
     output = (LAST / "constraints.txt").read_text(encoding="utf-8")
     for name, version in MANIFEST["packages"].items():
         assert f"\n{name}=={version}\n" in output
+
+
+def test_a_container_has_packages_before_the_source_and_works_in_the_callers_folder():
+    lines = (ROOT / "Dockerfile").read_text(encoding="utf-8").splitlines()
+    packages, source, home, desk, volume, work = (
+        next(i for i, line in enumerate(lines) if line.startswith(start))
+        for start in ("RUN pip install --no-cache-dir -r", "COPY . ", "ENV HOME=", "RUN mkdir", "VOLUME", "WORKDIR")
+    )
+    assert packages < source and desk < volume < work and home > source
+    assert lines[volume].split()[1:] == lines[work].split()[1:] == ["/desk"] and "1777 /desk" in lines[desk]
+    assert any('--user "$(id -u):$(id -g)" --volume "$PWD:/desk"' in line for line in lines[:5])
+
+
+@pytest.mark.skipif(not (ROOT / ".venv" / "bin" / "slip-to-roll").exists(), reason="no environment of make")
+def test_make_shell_has_the_commands():
+    done = subprocess.run(
+        ["make", "-o", ".venv/installed", "shell"], input="command -v slip-to-roll; echo $VIRTUAL_ENV", cwd=ROOT,
+        env={**os.environ, "PATH": "/usr/bin:/bin", "SHELL": "/bin/sh"}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout.split() == [str(ROOT / ".venv" / "bin" / "slip-to-roll"), str(ROOT / ".venv")]
 
 
 # --- the command ------------------------------------------------------------------------------------------------------
