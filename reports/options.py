@@ -40,95 +40,78 @@ FEWEST_POINTS, MOST_POINTS = 2, 100_000
 # Help for an argument that is one case.
 A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
 
+
+def _switch(words: str) -> dict[str, Any]:
+    return dict(action="store_true", help=words)
+
+
+def _value(metavar: str, words: str, default: str | None = None) -> dict[str, Any]:
+    return dict(metavar=metavar, help=words, default=default)
+
+
+def _values(metavar: str, words: str, default: list[str] | None = None) -> dict[str, Any]:
+    """Several values after one option, which can be repeated."""
+    return dict(metavar=metavar, nargs="+", action="extend", help=words, default=default)
+
+
+def _repeated(metavar: str, words: str) -> dict[str, Any]:
+    return dict(metavar=metavar, action="append", help=words, default=[])
+
+
 # Options by name, with their arguments for argparse. Commands select from these and add no others. After a space: of
 # which commands an option is, where it is a file of one and a folder of others.
 _OPTIONS: dict[str, dict[str, Any]] = {
-    "out": dict(metavar="DIR", help="folder to write"),
-    "out file": dict(metavar="FILE", help="file to write"),
-    "case": dict(
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help='cases: a name (all its variants), "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION '
+    "out": _value("DIR", "folder to write"),
+    "out file": _value("FILE", "file to write"),
+    "case": _values(
+        "NAME", 'cases: a name (all its variants), "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION '
         "(default: all, or those of --case-file)",
     ),
-    "case_file": dict(
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="Python files with cases of your own, marked with @case",
+    "case_file": _values("FILE", "Python files with cases of your own, marked with @case", []),
+    "solver": _values("NAME", "solvers (default: all); ENGINE@VERSION for one"),
+    "engine": _values(
+        "FILE", "executables to run as engines (docs/process_protocol.md), in addition to the solvers", []
     ),
-    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all); ENGINE@VERSION for one"),
-    "engine": dict(
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="executables to run as engines (docs/process_protocol.md), in addition to the solvers",
+    "points": _value("N", "points of track and outline in the scene that executables read and export writes (1001)"),
+    "trajectory": _repeated(
+        "NAME[@CASE]=FILE", "an exported motion (columns t, x, y, theta, …) as a separate solver; can be repeated"
     ),
-    "points": dict(
-        metavar="N", help="points of track and outline in the scene that executables read and export writes (1001)"
+    "submissions": _value(
+        "DIR", "folder of submitted motions, ENGINE/VERSION/CASE.csv; each version is a separate solver"
     ),
-    "trajectory": dict(
-        metavar="NAME[@CASE]=FILE",
-        action="append",
-        default=[],
-        help="an exported motion (columns t, x, y, theta, …) as a separate solver; can be repeated",
+    "engines": _switch("also draw the motions and errors of all engines; they run first, except those in --store"),
+    "creep": _value(
+        "SPEED", "creep velocity of the solver while it sticks, m/s; the file may also contain it, in a column creep "
+        "or a first line such as '# creep = 5e-3'", "0",
     ),
-    "submissions": dict(
-        metavar="DIR",
-        help="folder of submitted motions, ENGINE/VERSION/CASE.csv; each version is a separate solver",
+    "quick": _switch("three cases, one variant each, fewer settings"),
+    "full": _switch("every setting of every case, with ten times the time limit"),
+    "jobs": _value("N", "number of concurrent runs (default: 2)", "2"),
+    "store": _value("DIR", f"folder that stores finished runs for reuse (default: {STORE}); it may be deleted"),
+    "fresh": _switch("run everything again, without stored results"),
+    "paper": _switch("figures also as PDF"),
+    "force": _switch("replace existing files"),
+    "verbose": _switch("print more: a second table, where the time went, and the store"),
+    "list": _switch("print cases and solvers, and stop"),
+    "vary": _repeated(
+        "PARAMETER=VALUES", "low:high:count, low:high:count:log, or a,b,c; low:high for random samples; several form a "
+        "grid",
     ),
-    "engines": dict(
-        action="store_true",
-        help="also draw the motions and errors of all engines; they run first, except those in --store",
+    "sample": _value("HOW", "grid, random or sobol (default: grid)", "grid"),
+    "number": _value("N", "number of scenarios, for random and sobol"),
+    "seed": _value("N", "seed of random and sobol (default: 0)", "0"),
+    "rtol": _value("R", "relative tolerance of the reference (default: 1e-10)", "1e-10"),
+    "certify": _switch("compute certified error bars (seconds per scenario)"),
+    "baseline": _value("DIR", "folder of the report to compare with"),
+    "worse_than": _value("SHARE", "growth of an error that is accepted, as 10%% or 0.1"),
+    "from_source": _switch(
+        "compile versions without a wheel for this Python, by the package's own build; needs a C compiler"
     ),
-    "creep": dict(
-        metavar="SPEED",
-        default="0",
-        help="creep velocity of the solver while it sticks, m/s; the file may also contain it, in a column creep or a "
-        "first line such as '# creep = 5e-3'",
-    ),
-    "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
-    "full": dict(action="store_true", help="every setting of every case, with ten times the time limit"),
-    "jobs": dict(metavar="N", default="2", help="number of concurrent runs (default: 2)"),
-    "store": dict(
-        metavar="DIR",
-        help=f"folder that stores finished runs for reuse (default: {STORE}); it may be deleted",
-    ),
-    "fresh": dict(action="store_true", help="run everything again, without stored results"),
-    "paper": dict(action="store_true", help="figures also as PDF"),
-    "force": dict(action="store_true", help="replace existing files"),
-    "verbose": dict(action="store_true", help="print more: a second table, where the time went, and the store"),
-    "list": dict(action="store_true", help="print cases and solvers, and stop"),
-    "vary": dict(
-        metavar="PARAMETER=VALUES",
-        action="append",
-        default=[],
-        help="low:high:count, low:high:count:log, or a,b,c; low:high for random samples; several form a grid",
-    ),
-    "sample": dict(metavar="HOW", default="grid", help="grid, random or sobol (default: grid)"),
-    "number": dict(metavar="N", help="number of scenarios, for random and sobol"),
-    "seed": dict(metavar="N", default="0", help="seed of random and sobol (default: 0)"),
-    "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
-    "certify": dict(action="store_true", help="compute certified error bars (seconds per scenario)"),
-    "baseline": dict(metavar="DIR", help="folder of the report to compare with"),
-    "worse_than": dict(metavar="SHARE", help="growth of an error that is accepted, as 10%% or 0.1"),
-    "from_source": dict(
-        action="store_true",
-        help="compile versions without a wheel for this Python, by the package's own build; needs a C compiler",
-    ),
-    "format": dict(metavar="NAME", default="text", help="text, json or junit (default: text)"),
-    "json": dict(action="store_true", help="print JSON"),
-    "refine": dict(
-        metavar="WIDTH",
-        help="locate the boundaries between outcomes to this width in the first varied parameter",
-    ),
-    "dask": dict(
-        metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster on this machine'
-    ),
-}
+    "format": _value("NAME", "text, json or junit (default: text)", "text"),
+    "json": _switch("print JSON"),
+    "refine": _value("WIDTH", "locate the boundaries between outcomes to this width in the first varied parameter"),
+    "dask": _value("ADDRESS", 'a Dask scheduler, as tcp://host:port, or "local" for a cluster on this machine'),
+}  # fmt: skip
 
 
 def parser(
