@@ -16,12 +16,12 @@ from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import Segment
 from ..scales import LOCATION_ERROR, TOUCHES
 from .hops import NestedSeries
-from .meet import Meetings
+from .meet import AT_FLAT, Meetings
 from .mode_changes import ModeChanges
 from .places import couple_of, sides_of
 from .regimes import AT_END, ends_flat, is_flat_beyond
 from .segment_view import view_of
-from .touching import touching_contacts
+from .touching import inside, touching_contacts
 from .watched_plates import Watch
 
 # Guards of a rotation of plates against each other, which belong to all their contacts.
@@ -79,7 +79,8 @@ class PhaseEvents(ModeChanges):
             if self.may_float and self._is_touch(segment, guard):
                 self._settle(stuck)
                 return None
-        if kind in ("lost", "room"):
+        # A corner that opened where its side lay flat may have left its directions: then it is no contact that closes.
+        if kind in ("lost", "room") or (kind == "gap" and not inside(watch.pair, *watch.points, turn=AT_FLAT)):
             self.watches.remove(watch)
             self._settle(stuck)
             return None
