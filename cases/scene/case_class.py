@@ -99,7 +99,7 @@ class Case:
         if isinstance(self.start, StartPose):
             with np.errstate(all="ignore"):
                 return as_start(self.start, self.track, self.plate.outline, self.effects)
-        return from_flat_side(self.start, self.track, self.plate.outline)
+        return from_flat_side(self.start, self.track, self.plate.outline, self.effects)
 
     def __hash__(self) -> int:
         return self._hash

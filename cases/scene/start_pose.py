@@ -85,11 +85,11 @@ def _velocities(pose: StartPose, track: Curve, contact: geometry.Contact) -> tup
     return float(vx * tx + vy * ty), float(vy * tx - vx * ty)
 
 
-def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:
+def from_flat_side(start: Start, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> Start:
     """A start on a straight edge of the outline along a straight track, as the same one at the corner where the edge
     ends; without xi2, one with θ = 0 on such an edge is in its middle. Other starts are returned as they are.
 
-    Raises BadValue for a plate that lies on the edge and turns.
+    Raises BadValue for a plate that lies on the edge and turns otherwise than a track that turns by these effects.
     """
     if not isinstance(outline, Chain) or isinstance(track, Chain) or as_line(track) is None:
         return start
@@ -103,13 +103,16 @@ def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:
     end = element.start + element.piece.span[1] - element.piece.span[0]
     if not isinstance(element.piece, Edge) or xi2 >= end:
         return start
-    if start.omega != 0.0 and start.in_contact:
+    drive = one(effects, Drive)
+    check_drive(drive)
+    spin = drive.at(0.0).spin if drive is not None else 0.0
+    if start.in_contact and start.omega not in (0.0, spin):
         raise BadValue(
-            f"a plate that lies on a flat side does not turn; give omega=0 in Start, not {start.omega:g}, or the xi2 "
-            "of a corner"
+            f"a plate that lies on a flat side {'turns with its track' if spin else 'does not turn'}; give "
+            f"omega={spin:g} in Start, not {start.omega:g}, or the xi2 of a corner"
         )
     away = end - xi2
-    rate = start.gap_rate + start.omega * away
+    rate = start.gap_rate + (0.0 if start.in_contact else (start.omega - spin) * away)
     # A joint belongs to the element before it.
     return replace(start, xi1=start.xi1 + away / speed, xi2=float(np.nextafter(end, inf)), gap_rate=rate)
 
