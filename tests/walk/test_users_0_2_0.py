@@ -132,6 +132,7 @@ ONLY_THERE: dict[str, Step | Left] = {
     "python -m reports.study paper": Left(
         "python -m tests.benchmarks paper", "it says what to type in a clone: tests/commands/test_invalid_input.py"
     ),
+    "python -m reports.page.vendor": Left("python -m tests.browser.vendor", "it downloads packages into a clone"),
     "python -m reports.study effect_costs": Left("slip-to-roll report study", "it is gone"),
     "python -m reports.studies.meanings": Left(
         "python -m tests.benchmarks.meanings", "it writes a page of the repository, in a clone"
