@@ -261,7 +261,8 @@ class WatchedPlates:
                 if not part_closing:
                     staying, sticking = staying | set(names), sticking | (set(names) & stuck)
                     continue
-                stays, sticks = self._strike([now[k] for k in part], names, {touching[k].name for k in part_closing})
+                closed = {touching[k].name for k in part_closing} | (hit & set(names))
+                stays, sticks = self._strike([now[k] for k in part], names, closed)
                 staying, sticking = staying | stays, sticking | sticks
                 closers = [touching[k].name for k in part_closing]
                 strikes.append((names, closers, max(-lifts[k] for k in part_closing)))
