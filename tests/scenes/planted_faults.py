@@ -34,6 +34,7 @@ from cases import (
 from cases.effects import Effect
 from cases.library import hill
 from tests.composition.build import first_scene
+from tests.reference.test_nested_series import disc_between_floor_and_wall
 from tests.scenes import loads, slip_laws
 from tests.scenes import planted_motions as planted
 from tests.scenes.moving import Adhesion
@@ -176,7 +177,7 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     ),
     "begins without static friction, with a side": (onto_a_side, alter(CoulombFriction, mu_static=None)),
     "restitution of a series within another one a millionth": (
-        lambda: first_scene(200000822), alter(Impact, restitution=plus(1e-6))
+        cache(disc_between_floor_and_wall), alter(Impact, restitution=plus(1e-6))
     ),
     "begins with static friction": (planted.on_slope(0.2, -0.3), alter(CoulombFriction, mu_static=0.4)),
 }  # fmt: skip
