@@ -13,6 +13,8 @@ import numpy as np
 CLEARLY = 2.0
 # Impulses are compared with roundings of 1e-10: systems this far from singular have fewer.
 REGULAR = 1e-4
+# Singular values of matrices of size one that are zero but for roundings.
+SINGULAR = 1e-11
 # As many systems are solved together: a few megabytes.
 TOGETHER = 2048
 
@@ -73,11 +75,40 @@ def impact_exclusions(
         after = before + offset[regular] + (mix[regular] @ values[..., None])[..., 0] @ delassus
         values[:, :n] += floor[regular, :n]
         normal, friction, limit = values[:, :n], values[:, n : 2 * n], CLEARLY * small
-        shut, slips, turns = closed[some][regular], signs[some][regular], senses[some][regular]
-        violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < least - limit))
-        violations |= slips * after[:, n : 2 * n] < -limit
+        violations = closed[some][regular] & (normal < least - limit)
         violations |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
-        turning = turns * after[:, 2 * n :] < -limit
-        turning |= gyration * np.abs(values[:, 2 * n :]) > np.maximum(normal, 0.0) @ arms + limit
+        turning = gyration * np.abs(values[:, 2 * n :]) > np.maximum(normal, 0.0) @ arms + limit
         result[some][regular] = violations.any(axis=1) | turning.any(axis=1)
+        known, after_of_known, result[some][~regular] = _without_unique_impulses(
+            delassus, mix[~regular], used[some][~regular], (goals - offset)[~regular], limit
+        )
+        every = np.append(np.flatnonzero(regular), np.flatnonzero(~regular)[known])
+        after = np.append(after, before + offset[~regular][known] + after_of_known, axis=0)
+        shut, slips, turns = closed[some][every], signs[some][every], senses[some][every]
+        violations = ~shut & (after[:, :n] + restitution * before[:n] < -limit)
+        violations |= slips * after[:, n : 2 * n] < -limit
+        result[some][every] |= violations.any(axis=1) | (turns * after[:, 2 * n :] < -limit).any(axis=1)
     return result
+
+
+def _without_unique_impulses(
+    delassus: np.ndarray, mix: np.ndarray, used: np.ndarray, goals: np.ndarray, limit: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of systems without unique solutions: those whose solutions all make the same velocities, these velocities'
+    changes, and which systems have no solution. Arguments as of `solve_stack`; `limit`: of velocities, m/s."""
+    sizes = np.sqrt(np.diag(delassus))
+    both = used[:, :, None] & used[:, None, :]
+    matrix = np.where(both, delassus @ mix / np.outer(sizes, sizes), 0.0)
+    right = np.where(used, goals / sizes, 0.0)
+    left, values, basis = np.linalg.svd(matrix)
+    is_clear = ~((values > SINGULAR) & (values < REGULAR)).any(axis=1)
+    inverse = np.where(values > REGULAR, 1.0 / np.maximum(values, REGULAR), 0.0)
+    solved = (np.swapaxes(left, 1, 2) @ right[..., None])[..., 0] * inverse
+    forces = (np.swapaxes(basis, 1, 2) @ solved[..., None])[..., 0]
+    missing = np.abs((matrix @ forces[..., None])[..., 0] - right) * sizes
+    # What the columns of the null space change of all velocities.
+    idle = np.where((values <= SINGULAR)[:, :, None], basis, 0.0) * used[:, None, :] / sizes
+    changes = idle @ np.swapaxes(delassus @ mix, 1, 2)
+    known = is_clear & (np.abs(changes / sizes).max(axis=(1, 2), initial=0.0) <= SINGULAR)
+    rates = (mix @ (forces / sizes)[..., None])[..., 0] @ delassus
+    return known, rates[known], is_clear & (missing.max(axis=1, initial=0.0) > limit)
