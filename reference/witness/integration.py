@@ -120,9 +120,9 @@ class PhaseIntegration(PlateState):
         shorten no step; of gaps by the lowest hop, but for the roundings of speeds. What roundings of accelerations
         move a place by in a step of the longest length is no error of the step."""
         reach, longest = self.case.plate.reach, self.case.duration / STEPS_PER_TURN
-        load = float(
-            np.abs(self.dynamics.inverse * self.dynamics.torsor(self.t, self.body) * self.dynamics.units).max()
-        )
+        # A load that has just lifted a plate balances its weight now, and does not a little later.
+        torsors = [self.dynamics.torsor(t, self.body) for t in (self.t, self.t + longest)]
+        load = float(np.abs(self.dynamics.inverse * self.dynamics.units * torsors).max())
         speed = max(self.speed, sqrt(load * reach)) or 1.0
         lengths = 1.0 / np.where(self.dynamics.units == 1.0, 1.0, self.dynamics.units)
         longest = min(longest, 2.0 * pi / pace / STEPS_PER_TURN) if pace else longest
