@@ -63,7 +63,9 @@ class Load(WithFormulas):
     """A force at the centre of mass, components `fx`, `fy` in the fixed frame (N), and a `moment` about it (N m).
 
     The paper's torsor (F_x, F_y, M₀). Each is a number or a formula in t, x, y, theta, vx, vy, omega: text such as
-    "-0.2*vx + sin(3*t)", or an expression in the symbols of `cases.effects.MOTION`. Raises BadValue for anything else.
+    "-0.2*vx + sin(3*t)", or an expression in the symbols of `cases.effects.MOTION`. A step in time is a comparison,
+    "5*(t > 0.5)" or "5 if 0.5 < t < 1 else 2*t", or SymPy's Piecewise or Heaviside of t: it rises within some 1e-7 s.
+    Raises BadValue for anything else.
     """
 
     fx: sp.Expr | str | float = 0.0
@@ -73,7 +75,8 @@ class Load(WithFormulas):
     @in_one_thread
     def __post_init__(self):
         for name in ("fx", "fy", "moment"):
-            object.__setattr__(self, name, formula_in(formula_symbols.MOTION, f"{name} of Load", getattr(self, name)))
+            symbols, what, given = formula_symbols.MOTION, f"{name} of Load", getattr(self, name)
+            object.__setattr__(self, name, formula_in(symbols, what, given, time=symbols[0]))
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:

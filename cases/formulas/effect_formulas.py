@@ -10,7 +10,7 @@ import numpy as np
 
 from ..derivation import in_one_thread
 from ..errors import BadValue
-from . import expressions, features, formula_text
+from . import expressions, features, formula_text, time_steps
 from . import late_sympy as sp
 from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
 from .expression_graph import from_sympy, symbol
@@ -33,16 +33,24 @@ def _restore(kind: type, *values: Any) -> Any:
 
 
 @in_one_thread
-def formula_in(symbols: Sequence[sp.Symbol], what: str, value: sp.Expr | str | float) -> sp.Expr:
-    """A number, a text or an expression as an expression in `symbols`; raises BadValue, which names it `what`."""
+def formula_in(
+    symbols: Sequence[sp.Symbol], what: str, value: sp.Expr | str | float, time: sp.Symbol | None = None
+) -> sp.Expr:
+    """A number, a text or an expression as an expression in `symbols`; with `time`, one of them, it may have steps
+    (`time_steps`). Raises BadValue, which names it `what`."""
     if isinstance(value, str):
-        return formula_text.parse(value, {symbol.name: symbol for symbol in symbols}, what, BadValue)
+        return formula_text.parse(value, {symbol.name: symbol for symbol in symbols}, what, BadValue, time)
     if expressions.as_expression(value) is None:
         raise BadValue(
             f"{what} is {expressions.shortened(value)}; give a number, or a formula in "
             f"{', '.join(symbol.name for symbol in symbols)} as text, such as '0.5*sin(3*t)' (cases.fit_waves makes "
             "one of samples)"
         )
+    if time is not None and isinstance(value, sp.Expr) and value.has(sp.Piecewise, sp.Heaviside):
+        try:
+            value = time_steps.without_steps(value, time)
+        except time_steps.NoStep as problem:
+            raise BadValue(f"{what} {problem}") from None
     return expressions.admissible(value, symbols, what, BadValue)
 
 

@@ -12,6 +12,7 @@ from math import log10
 
 from . import late_sympy as sp
 from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, NAMES, admissible
+from .time_steps import NoStep, rise
 
 # A formula on a page or two; Python's own parser takes milliseconds for it.
 LONGEST_TEXT = 4000
@@ -30,8 +31,11 @@ class _FormulaError(Exception):
     """What is wrong with a text, as the end of a sentence that begins with it."""
 
 
-def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
-    """A text as an expression; only numbers, the variables, arithmetic and `FUNCTIONS` may occur.
+def parse(
+    text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[Exception], time: sp.Symbol | None = None
+) -> sp.Expr:
+    """A text as an expression; only numbers, the variables, arithmetic and `FUNCTIONS` may occur, and with `time`, one
+    of the variables, comparisons of it (1 or 0), also as "a if t < 0.5 else b".
 
     Raises `error` with one sentence that calls the text `what`.
     """
@@ -48,8 +52,8 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
     if sum(1 for _ in ast.walk(tree)) > 4 * MOST_PARTS:  # an operation is a node of its own, and so is a name's use
         raise error(f"{what} {quotation} is too long a formula; give one of at most {MOST_PARTS} parts")
     try:
-        expression = _FormulaReader(variables, source).read(tree.body, 0)
-    except _FormulaError as problem:
+        expression = _FormulaReader(variables, source, time).read(tree.body, 0)
+    except (_FormulaError, NoStep) as problem:
         raise error(f"{what} {quotation} {problem}") from None
     except (ArithmeticError, TypeError, ValueError) as problem:  # no number at all, such as 1/0 within a power
         raise error(f"{what} {quotation} cannot be read ({problem})") from None
@@ -59,8 +63,8 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
 class _FormulaReader:
     """Walks a syntax tree from its leaves up; rejects what no table contains."""
 
-    def __init__(self, variables: Mapping[str, sp.Symbol], source: str):
-        self._variables, self._source = variables, source
+    def __init__(self, variables: Mapping[str, sp.Symbol], source: str, time: sp.Symbol | None = None):
+        self._variables, self._source, self._time = variables, source, time
 
     def read(self, node: ast.expr, depth: int) -> sp.Expr:
         """The expression of one node."""
@@ -81,11 +85,26 @@ class _FormulaReader:
                 return _power(self.read(node.left, depth + 1), self.read(node.right, depth + 1))
             case ast.BinOp() if type(node.op) in _OPERATIONS:
                 return _OPERATIONS[type(node.op)](self.read(node.left, depth + 1), self.read(node.right, depth + 1))
+            case ast.Compare() if self._time is not None:
+                return self._steps(node, self._time, depth + 1)
+            case ast.IfExp() if self._time is not None:
+                is_so, *both = (self.read(part, depth + 1) for part in (node.test, node.body, node.orelse))
+                return is_so * both[0] + (1 - is_so) * both[1]
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]):
                 return self._call(name, self.read(argument, depth + 1))
             case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
                 raise _FormulaError(f"gives {name} other than one argument; give it one")
         raise _FormulaError(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
+
+    def _steps(self, node: ast.Compare, time: sp.Symbol, depth: int) -> sp.Expr:
+        """Comparisons of time, such as 0.2 < t <= 0.5, as 1 or 0."""
+        result = sp.Integer(1)
+        for left, how, right in zip([node.left, *node.comparators], node.ops, node.comparators, strict=False):
+            if not isinstance(how, ast.Lt | ast.LtE | ast.Gt | ast.GtE):
+                raise _FormulaError("compares other than by <, <=, > or >=; give one of these")
+            difference = self.read(left, depth) - self.read(right, depth)
+            result *= rise(difference if isinstance(how, ast.Gt | ast.GtE) else -difference, time)
+        return result
 
     def _number(self, value: int | float, node: ast.expr) -> sp.Expr:
         if not abs(value) <= LARGEST_NUMBER:
