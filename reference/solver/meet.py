@@ -18,7 +18,7 @@ from cases.contact.geometry import clearance, find
 from cases.contact.shapes import Poses, Shapes, Straight, guess, shapes
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple, couples
-from cases.scene.piece_case import PieceCase, neighbour
+from cases.scene.piece_case import PieceCase, is_concave, neighbour
 
 from ..minimal.boxes import Cores
 from ..minimal.element_meetings import ElementMeeting, ElementSearch, fine
@@ -214,8 +214,8 @@ class CoupleSearch:
 
     def _is_in_view(self, meeting: ElementMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
         """Whether a meeting is at the place of a contact that is watched, in its pair, a neighbour or across the
-        joints of both elements: it passes there. As near as roundings of a gap that curvatures open, places are one.
-        `points`: the contacts' parameters, (2,) each, at that time."""
+        joints of both elements, or anywhere but in an inner corner: it passes there. As near as roundings of a gap that
+        curvatures open, places are one. `points`: the contacts' parameters, (2,) each, at that time."""
         place, reach, other = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach, meeting.pair
 
         def within(one: PieceCase, at: np.ndarray) -> float:
@@ -229,6 +229,7 @@ class CoupleSearch:
                 in_round(one) == in_round(other)
                 or _are_neighbours(one, other)
                 or in_round(other) in _across_joints(one, at)
+                or not _is_at_inner_corner(other, meeting.xi1, meeting.xi2)
             )
             for one, at in zip(pairs, points, strict=True)
         )
@@ -343,6 +344,17 @@ def _across_joints(pair: PieceCase, points: np.ndarray) -> set[tuple[int, int]]:
         across = [neighbour(beside, False, other) for other in steps[1]] if beside is not None else []
         result |= {in_round(other) for other in across if other is not None}
     return result
+
+
+def _is_at_inner_corner(pair: PieceCase, *points: float) -> bool:
+    """Whether a contact lies at an end of an element that joins a corner inside which curves touch on both sides."""
+    ends = [
+        neighbour(pair, k == 0, step)
+        for k, (piece, s) in enumerate(zip(pair.pieces, points, strict=True))
+        for step, end in zip((-1, 1), piece.ends or (), strict=False)
+        if abs(s - end) <= AT_END
+    ]
+    return any(one is not None and is_concave(one) for one in ends)
 
 
 def _are_neighbours(one: PieceCase, other: PieceCase) -> bool:

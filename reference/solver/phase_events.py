@@ -21,7 +21,7 @@ from .mode_changes import ModeChanges
 from .places import couple_of, sides_of
 from .regimes import AT_END, ends_flat, is_flat_beyond
 from .segment_view import view_of
-from .touching import inside, touching_contacts
+from .touching import SAME_PLACE, inside, touching_contacts
 from .watched_plates import Watch
 
 # Guards of a rotation of plates against each other, which belong to all their contacts.
@@ -80,7 +80,7 @@ class PhaseEvents(ModeChanges):
                 self._settle(stuck)
                 return None
         # A corner that opened where its side lay flat may have left its directions: then it is no contact that closes.
-        if kind in ("lost", "room") or (kind == "gap" and not inside(watch.pair, *watch.points, turn=AT_FLAT)):
+        if kind in ("lost", "room") or (kind == "gap" and self._is_no_meeting(watch)):
             self.watches.remove(watch)
             self._settle(stuck)
             return None
@@ -97,6 +97,18 @@ class PhaseEvents(ModeChanges):
             self.fixed = {watch.name: (Mode.FLIGHT,)}
         self._settle(stuck, closing)
         return None
+
+    def _is_no_meeting(self, watch: Watch) -> bool:
+        """Whether an open contact without a gap is beyond an end of its elements, or at the place of a closed one of
+        the same couple, which comes to the same end and passes on from there."""
+        if not inside(watch.pair, *watch.points, turn=AT_FLAT):
+            return True
+        place, reach = watch.pair.pieces[0].point(watch.points[0]), watch.pair.plate.reach
+        return any(
+            one.pair.whole == watch.pair.whole
+            and np.hypot(*(one.pair.pieces[0].point(one.points[0]) - place)) <= SAME_PLACE * reach
+            for one in self._closed()
+        )
 
     def _is_touch(self, segment: Segment, guard: str) -> bool:
         """Whether a force that ends a segment at its bound only touches that: the motion goes on beyond."""
