@@ -73,7 +73,8 @@ def impact_of_all(
     mu, nothing = list(mu), np.zeros(len(contacts))
     belts, arms = (nothing if some is None else some for some in (belts, arms))
     # A contact that opens before the impact has nothing to give back.
-    restitution = np.array([at.restitution if float(at.lift_row @ before) < 0.0 else 0.0 for at in contacts])
+    is_opening = [float(at.lift_row @ before) > ROUNDING * speed for at in contacts]
+    restitution = np.where(is_opening, 0.0, [at.restitution for at in contacts])
     if law != "poisson":
         return _collide(inertia, before, contacts, ImpactLaw(restitution, nothing, mu, belts, arms), speed)[0]
     compressed, impulses = _collide(inertia, before, contacts, ImpactLaw(nothing, nothing, mu, belts, arms), speed)

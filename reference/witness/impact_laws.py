@@ -35,9 +35,8 @@ def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> 
     where one plate touches what is fixed in one place, else by the law for whole impulses."""
     laws = [pair.contact.effect(Impact) for pair in some]
     # A contact that opens before the impact has nothing to give back.
-    restitution = np.array(
-        [law.restitution if law and one.lift < 0.0 else 0.0 for law, one in zip(laws, some, strict=True)]
-    )
+    is_opening = [one.lift > MOVES * state.speed for one in some]
+    restitution = np.where(is_opening, 0.0, [law.restitution if law else 0.0 for law in laws])
     if len(some) != 1 or some[0].sides[1] is not None:
         return by_whole_impulses(state, effect, some, restitution)
     impulse = Impulse(state, some[0])
