@@ -79,11 +79,11 @@ def impact_exclusions(
         violations |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
         turning = gyration * np.abs(values[:, 2 * n :]) > np.maximum(normal, 0.0) @ arms + limit
         result[some][regular] = violations.any(axis=1) | turning.any(axis=1)
-        known, after_of_known, result[some][~regular] = _without_unique_impulses(
+        single, rates_of_single, result[some][~regular] = _without_unique_impulses(
             delassus, mix[~regular], used[some][~regular], (goals - offset)[~regular], limit
         )
-        every = np.append(np.flatnonzero(regular), np.flatnonzero(~regular)[known])
-        after = np.append(after, before + offset[~regular][known] + after_of_known, axis=0)
+        every = np.append(np.flatnonzero(regular), np.flatnonzero(~regular)[single])
+        after = np.append(after, before + offset[~regular][single] + rates_of_single, axis=0)
         shut, slips, turns = closed[some][every], signs[some][every], senses[some][every]
         violations = ~shut & (after[:, :n] + restitution * before[:n] < -limit)
         violations |= slips * after[:, n : 2 * n] < -limit
@@ -103,12 +103,12 @@ def _without_unique_impulses(
     left, values, basis = np.linalg.svd(matrix)
     is_clear = ~((values > SINGULAR) & (values < REGULAR)).any(axis=1)
     inverse = np.where(values > REGULAR, 1.0 / np.maximum(values, REGULAR), 0.0)
-    solved = (np.swapaxes(left, 1, 2) @ right[..., None])[..., 0] * inverse
-    forces = (np.swapaxes(basis, 1, 2) @ solved[..., None])[..., 0]
+    parts = (np.swapaxes(left, 1, 2) @ right[..., None])[..., 0] * inverse
+    forces = (np.swapaxes(basis, 1, 2) @ parts[..., None])[..., 0]
     missing = np.abs((matrix @ forces[..., None])[..., 0] - right) * sizes
     # What the columns of the null space change of all velocities.
     idle = np.where((values <= SINGULAR)[:, :, None], basis, 0.0) * used[:, None, :] / sizes
     changes = idle @ np.swapaxes(delassus @ mix, 1, 2)
-    known = is_clear & (np.abs(changes / sizes).max(axis=(1, 2), initial=0.0) <= SINGULAR)
+    single = is_clear & (np.abs(changes / sizes).max(axis=(1, 2), initial=0.0) <= SINGULAR)
     rates = (mix @ (forces / sizes)[..., None])[..., 0] @ delassus
-    return known, rates[known], is_clear & (missing.max(axis=1, initial=0.0) > limit)
+    return single, rates[single], is_clear & (missing.max(axis=1, initial=0.0) > limit)
