@@ -113,7 +113,8 @@ def test_a_container_has_packages_before_the_source_and_works_in_the_callers_fol
 @pytest.mark.skipif(not (ROOT / ".venv" / "bin" / "slip-to-roll").exists(), reason="no environment of make")
 def test_make_shell_has_the_commands():
     done = subprocess.run(
-        ["make", "-o", ".venv/installed", "shell"], input="command -v slip-to-roll; echo $VIRTUAL_ENV", cwd=ROOT,
+        ["make", "--no-print-directory", "-o", ".venv/installed", "shell"],
+        input="command -v slip-to-roll; echo $VIRTUAL_ENV", cwd=ROOT,
         env={**os.environ, "PATH": "/usr/bin:/bin", "SHELL": "/bin/sh"}, capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert done.stdout.split() == [str(ROOT / ".venv" / "bin" / "slip-to-roll"), str(ROOT / ".venv")]

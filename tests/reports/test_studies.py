@@ -58,7 +58,7 @@ def test_a_study_that_moved_is_there(name):
 
 
 def test_maps_are_a_sweep(capsys, tmp_path):
-    words = studies.MAPS.replace("121", "3").replace("91", "2").split()[3:]
+    words = studies.MAPS.replace("121", "3").replace("91", "2").partition(" sweep ")[2].split()
     assert sweep.main([*words, "--out", str(tmp_path / "out")]) == 0 and "6 scenarios" in capsys.readouterr().out
 
 
