@@ -33,7 +33,7 @@ SHOWN_DIGITS = (
 
 
 # The impulses of the impacts: those of the truth, and of the file from its velocities before and after them.
-IMPACTS = "Impacts (s, N s, J; the file's from its samples beside them, nan without velocities)"
+IMPACTS = "Impacts (s, N s, J; the file's next to them, from its samples; nan without velocities)"
 IMPACT_COLUMNS = (
     "contact", "reference_time", "reference_normal", "normal", "reference_friction", "friction", "reference_work",
     "work",

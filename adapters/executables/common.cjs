@@ -236,7 +236,7 @@ function run(scene, plate, step, rounding, running = 0) {
   const cpu = process.cpuUsage(begun);
   // A slip is a difference of velocities, each off by a few roundings.
   console.log(`# creep = ${10 * rounding * fastest + missing(scene, rows, h)}`);
-  // In a step with an impact a slip is that before and after it: there the poses tell.
+  // An impact changes the slip within a step: then the suite computes the slip from the poses.
   const slips = NAMES.indexOf("slip"), has = !scene.effects.Impact;
   console.log([NAMES, ...rows].map((row) => (has ? row : row.toSpliced(slips, 1)).join(",")).join("\n"));
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);

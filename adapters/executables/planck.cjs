@@ -18,7 +18,7 @@ const tuned = scene.setting.rung !== "defaults", track = common.shape(scene);
 const overlap = tuned && track.kind === "disc" && plate.radius !== null ? scene.setting.h : 0;
 // As it comes, edges have a skin of 1 cm and overlaps of 5 mm are left alone: a twentieth of a plate of 0.1 m.
 if (tuned) planck.Settings.linearSlop = overlap || 1e-5;
-// As it comes, nothing rebounds below 1 m/s.
+// By default nothing rebounds below 1 m/s.
 if (tuned) planck.Settings.velocityThreshold = 0;
 
 // A sweep to the first time of impact stops a plate in a bowl at every facet.

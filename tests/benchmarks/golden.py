@@ -32,7 +32,7 @@ SCENES = (
 
 
 def write_answers(scenes: Sequence[Case], folder: Path, is_selection: bool) -> None:
-    """Write the tables of a default report of these scenes, run anew: whole ladders, if they are a selection."""
+    """Write the tables of a default report of these scenes, without the store: whole ladders, of a selection."""
 
     def rungs(*where):
         return ladder_selection.select_rungs("default", is_selection, *where)

@@ -164,7 +164,7 @@ DATA: dict[str, tuple[Callable[[], Case], planted.Change]] = {
     "ripple of a micrometre on the track ignored": (planted.rolled_over, planted.flat),
     "second contact with a hump missed": (planted.hump, planted.flat),
     "support passed through": (planted.at_wall, lambda c: replace(c, supports=())),
-    "support passed through beside its end": (
+    "passes through a support next to its end": (
         lambda: off_a_support(StartPose(-0.05, 0.15)), lambda c: replace(c, supports=())
     ),
     "sticks where it must reverse": (catalogue("disc_in_circle", mu=0.1), alter(CoulombFriction, mu_static=5.0)),

@@ -1,4 +1,4 @@
-"""Where the cases of the catalogue come from, and the facts that books and papers tell of them."""
+"""Where the cases of the catalogue come from, and the facts that books and papers state about them."""
 
 import re
 
