@@ -2,11 +2,8 @@
 
 import pytest
 
-from cases import commands
-from reports import build, compare, study
-
 from . import harness
-from .harness import kinds, sweep, told_by
+from .harness import kinds, sweep
 
 KINDS = kinds()
 # What `make test-all` tries at least.
@@ -43,9 +40,3 @@ def test_every_input_runs_or_is_refused_in_a_sentence(kind, request):
 
 def test_the_whole_fuzz_is_large():
     assert sum(kind.whole + len(kind.found) + len(kind.long) for kind in KINDS) >= WHOLE
-
-
-@pytest.mark.parametrize("command", [build.main, compare.main, commands.main, study.main], ids=lambda f: f.__module__)
-def test_help_is_help(command):
-    status, out, _ = told_by(command, ["--help"])
-    assert status == 0 and len(out) > 100
