@@ -217,22 +217,22 @@ def files_in(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_re
 
 
 def remove_longest_unused(
-    folder: Path, name: re.Pattern[str], most_bytes: float, most_files: float, exceptions: Iterable[Path] = ()
+    folder: Path, name: re.Pattern[str], most_bytes: float, exceptions: Iterable[Path] = ()
 ) -> None:
-    """Remove the least recently used files with such a name until the others are within the limits.
+    """Remove the least recently used files with such a name until the others are within the limit.
 
     Also removes unfinished files of killed processes. Files in `exceptions` are kept.
     """
     remove_leftovers(folder)
     files = sorted((f for f in files_in(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
-    size, count, exceptions = sum(about.st_size for _, about in files), len(files), set(exceptions)
+    size, exceptions = sum(about.st_size for _, about in files), set(exceptions)
     for path, about in files:
-        if size <= most_bytes and count <= most_files:
+        if size <= most_bytes:
             return
         if path not in exceptions:
             with suppress(OSError):  # what cannot be removed stays
                 path.unlink()
-                size, count = size - about.st_size, count - 1
+                size -= about.st_size
 
 
 # --- a folder of results ----------------------------------------------------------------------------------------------

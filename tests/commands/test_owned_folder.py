@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -107,19 +106,6 @@ def test_what_a_killed_process_left_is_removed_and_nothing_else(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {*theirs, link.name, in_use.path.name}
     in_use.remove()
     assert not in_use.path.exists()
-
-
-def test_a_cache_loses_only_files_with_a_name_of_its_own(tmp_path):
-    name = re.compile(r"[0-9a-f]{8}\.kept")
-    ours = [tmp_path / f"{i:08x}.kept" for i in range(4)]
-    theirs = [tmp_path / other for other in ("thesis.kept", "00000009.kept.bak", ".hidden")]
-    for i, file in enumerate((*ours, *theirs)):
-        file.write_text("12345")
-        os.utime(file, (1e9 + i, 1e9 + i))
-    owned_folder.remove_longest_unused(tmp_path, name, 15, 3, exceptions=ours[:1])
-    assert [file.exists() for file in ours] == [True, False, True, True]
-    owned_folder.remove_longest_unused(tmp_path, name, 0, 0)
-    assert sorted(tmp_path.iterdir()) == sorted(theirs)
 
 
 # --- a folder ---------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adapters import Setting
-from cases import Cost, Mode, Transition
+from cases import Cost, Mode
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.running.records import Run, Truth
@@ -28,18 +28,9 @@ RUN = Run(
     Distance(1e-300, 2.0, 3.0, 4.0, 5.0, float("inf")), Cost(cpu_s=1 / 9, steps=7),
     {"t": np.linspace(0.0, 1.0, 50), "slip": np.full(50, np.nan), "centre": np.geomspace(1e-17, 1.0, 50)}, "today",
 )  # fmt: skip
-TRUTH = Truth(
-    "taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE, samples={"t": np.arange(3.0)}
-)
 
 
 # --- what is kept -----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("kind, record", [("run", RUN), ("truth", TRUTH), ("truth", Truth(failure="none"))])
-def test_records_come_back_to_the_last_bit(kind, record, tmp_path):
-    Store(tmp_path / "s").put(kind, KEY, record, type(record))
-    assert identical(Store(tmp_path / "s").get(kind, KEY, type(record)), record)
 
 
 def test_nothing_is_taken_under_another_key_or_when_asked_for_fresh(tmp_path):

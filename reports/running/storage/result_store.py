@@ -15,7 +15,6 @@ import zipfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -103,7 +102,7 @@ class Store:
     def trim(self, bound: int = BOUND_BYTES) -> None:
         """Remove the least recently used results, except this build's, until the others fit into `bound` bytes."""
         if self.folder is not None:
-            owned_folder.remove_longest_unused(self.folder, _FILE, bound, inf, self._used)
+            owned_folder.remove_longest_unused(self.folder, _FILE, bound, self._used)
 
     def summary(self) -> dict[str, Any]:
         """The counts and problems for the manifest."""
