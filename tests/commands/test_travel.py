@@ -1,22 +1,39 @@
-"""Cases travel to another process by value: what arrives is the same case, whether a catalogue knows it or not."""
+"""Cases and motions travel: to another process and back, by a copy or by cloudpickle, they stay the same."""
 
 from __future__ import annotations
 
+import copy
+import pickle
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from math import inf
 from multiprocessing import get_context
 
+import cloudpickle
 import numpy as np
 import pytest
 import sympy as sp
 
 import cases
+import reference
 from cases import Case, CoulombFriction, Curve, Drive, Gravity, Load, Plate, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.curves import cos, sin
 from cases.library import line
 from cases.moving_frame import relative_case
+from reference.solve import METHODS
 from reports.running.storage.fingerprint import content
+from tests.scenes import bits
+from tests.taylor.conftest import default_method  # noqa: F401 - a fixture
+
+# Slip and roll, an outline that is no disc, flights and impacts that come to rest, a load, ends of all kinds, no step.
+LABELS = [
+    "disc_in_circle[mu=0.2]", "ellipse_in_circle", "bouncing_disc", "hopping_hoop", "driven_disc", "disc_off_ramp",
+    "rod_into_the_paradox", "almost_rolling[slip=-1e-17]",
+]  # fmt: skip
+
+
+# --- cases ------------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +96,47 @@ def test_an_arrived_case_has_the_same_motion_to_the_last_digit(elsewhere):
     )
     for case in (by_hand(), measured, cases.load("disc_in_circle")):
         assert repr(elsewhere.submit(begun, case).result()) == repr(begun(case))
+
+
+# --- motions ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def chosen() -> list[Case]:
+    return [by_hand(), *map(cases.load, LABELS)]
+
+
+def test_a_motion_is_the_same_in_another_process(elsewhere, chosen):
+    motions = [reference.simulate(case) for case in chosen]
+    for motion, output in zip(motions, elsewhere.map(bits.of_motion, motions), strict=True):
+        assert output == bits.of_motion(motion), motion
+
+
+@pytest.mark.parametrize("method", [*METHODS, "augmented"])
+@pytest.mark.parametrize(
+    "trip",
+    [
+        lambda motion: pickle.loads(pickle.dumps(motion)),
+        pytest.param(
+            lambda motion: pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(motion)))), marks=pytest.mark.slow
+        ),
+        lambda motion: pickle.loads(cloudpickle.dumps(motion)),
+        copy.deepcopy,
+        copy.copy,
+    ],
+    ids=["pickle", "twice", "cloudpickle", "deepcopy", "copy"],
+)
+def test_a_copy_is_the_same(trip: Callable, method, chosen):
+    some = chosen if method in METHODS else [chosen[0], cases.load("hopping_hoop"), chosen[-1]]
+    for case in some:
+        motion = reference.simulate(case, method=method)
+        assert bits.of_motion(trip(motion)) == bits.of_motion(motion), case.label
+
+
+def test_a_motion_is_small_and_arrives_before_anything_is_derived(chosen):
+    for case in chosen:
+        motion = reference.simulate(case)
+        letter = pickle.dumps(motion)
+        # A step of the Taylor method is some twenty terms of four variables, 0.7 kB; samples take 0.1 kB more.
+        assert len(letter) < 5000 + 1200 * len(motion.t), case.label
+        assert pickle.loads(letter).dense._segment_list == []  # who reads transitions alone waits for no equations
