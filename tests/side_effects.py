@@ -112,46 +112,17 @@ EFFECTS = {
     "vanishes": Effect("import os; os._exit(3)", "crashed", "exit code 3"),
 }  # fmt: skip
 
-_ADAPTER = '''"""An adapter of tests that does something to its process."""
-
-from pathlib import Path
-
-import numpy as np
-
-from adapters import Setting
-from tests.fake_adapter import bowled
-
-NAME = {name!r}
-routes = ("native",)
-
-
-def version():
-    return "1.0"
-
-
-def refuses(case, route):
-    return None
-
-
-def ladder(case, route):
-    return Setting.of(n=1), Setting.of(n=2)
+_BUILD = """
 
 
 def build(case, route, setting):
     {code}
-    return case
-
-
-def run(model):
-    pass
-
-
-def read(model):
-    return bowled(model, np.linspace(0.0, model.duration, 301))
-'''
+    return case, setting["how"]
+"""
 
 
 def install(folder: Path, name: str) -> None:
     """Put the adapter of an effect into the folder, as an installed package would bring it."""
-    fake_adapter.install(folder, [], name=name)
-    (folder / f"{name}_adapter_of_tests.py").write_text(_ADAPTER.format(name=name, code=EFFECTS[name].code))
+    fake_adapter.install(folder, ["wait 0", "wait 1"], name=name)
+    with (folder / f"{name}_adapter_of_tests.py").open("a") as file:
+        file.write(_BUILD.format(code=EFFECTS[name].code))
