@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from reports.running.timing import clock
+from adapters.processes.worker import CallResult
+from reports.running.timing import clock, cold_start, time_breakdown
 
 from .loopback import Processes
 from .watch import LOOP, Watch
@@ -22,7 +23,18 @@ def loopback(tmp_path):
 def watch(monkeypatch) -> Watch:
     """The clock of a machine on which nothing else is seen to run, whatever runs."""
     watch = Watch()
-    monkeypatch.setattr(clock, "time", watch)
+    for module in (clock, cold_start, time_breakdown):
+        monkeypatch.setattr(module, "time", watch)
+    for module in (clock, cold_start):
+        monkeypatch.setattr(module, "calibrate", lambda: LOOP)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(clock, "calibrate", lambda: LOOP)
+    return watch
+
+
+@pytest.fixture
+def here(watch, monkeypatch) -> Watch:
+    """The same; first calls are made in this process."""
+    monkeypatch.setattr(
+        cold_start, "call_in_copy", lambda function, argument, _: CallResult("done", function(argument))
+    )
     return watch

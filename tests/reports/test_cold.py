@@ -13,29 +13,11 @@ from adapters.processes.worker import CallResult, call_in_copy
 from reports.running.timing import cold_start
 from reports.running.timing.clock import Contestant
 
-from .watch import LOOP, Watch
+from .watch import LOOP
 
 LINE = cases.load("disc_on_line", mu=0.1)
 BUILD, RUN, READ = 0.5, 0.25, 0.125
 CALL = BUILD + RUN + READ
-
-
-@pytest.fixture
-def watch(monkeypatch) -> Watch:
-    """A clock that work alone moves on; its copy in a process that is split off moves on there."""
-    watch = Watch()
-    monkeypatch.setattr(cold_start, "time", watch)
-    monkeypatch.setattr(cold_start, "calibrate", lambda: LOOP)
-    return watch
-
-
-@pytest.fixture
-def here(watch, monkeypatch) -> Watch:
-    """Calls are made in this process."""
-    monkeypatch.setattr(
-        cold_start, "call_in_copy", lambda function, argument, _: CallResult("done", function(argument))
-    )
-    return watch
 
 
 def who(*costs: float, name: str = "engine") -> list[Contestant]:

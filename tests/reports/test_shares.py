@@ -10,17 +10,10 @@ from adapters import Setting
 from reports.running.timing import time_breakdown
 from reports.running.timing.clock import Contestant
 
-from .watch import LEFT, Watch
+from .watch import LEFT
 
 LINE = cases.load("disc_on_line", mu=0.1)
 RUN = 0.04
-
-
-@pytest.fixture
-def watch(monkeypatch) -> Watch:
-    watch = Watch()
-    monkeypatch.setattr(time_breakdown, "time", watch)
-    return watch
 
 
 def contestant(name: str = "engine", expected: float = 0.01, cost: float = 1.0) -> Contestant:

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 import cases
 from adapters import Setting, lookup
-from adapters.processes.worker import CallResult
 from cases import Cost, Mode, Transition
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
@@ -35,21 +34,13 @@ SHARES = (LEFT["binding"], LEFT["callback"] - LEFT["binding"], LEFT["notes"] - L
 
 
 @pytest.fixture
-def engines(monkeypatch) -> Watch:
+def engines(here, monkeypatch) -> Watch:
     """Engines of known cost at a clock that only they move on, in this process."""
-    watch = Watch()
-    engine = watch.engine(BUILD, RUN, READ)
+    engine = here.engine(BUILD, RUN, READ)
     for module in (clock, cold_start, time_breakdown):
-        monkeypatch.setattr(module, "time", watch)
         monkeypatch.setattr(module, "solver", lambda name: engine)
-    for module in (clock, cold_start):
-        monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
-    monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(
-        cold_start, "call_in_copy", lambda function, argument, _: CallResult("done", function(argument))
-    )
-    monkeypatch.setattr(timed_pass, "time", watch)
-    return watch
+    monkeypatch.setattr(timed_pass, "time", here)
+    return here
 
 
 def calls(folder=None) -> CallsHere:
