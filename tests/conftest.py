@@ -17,7 +17,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from cases import CaseError, lookup
+import cases
+from cases import CaseError, lookup, registry
 from reports.running import cache_folder
 from tests import own_cases
 
@@ -65,6 +66,13 @@ def default_method(request):
         if not request.config.getoption("--thorough"):
             patch.setattr("reference.solve.METHODS", ("dop853",))
         yield
+
+
+@pytest.fixture
+def catalogue(monkeypatch) -> None:
+    """A catalogue that forgets what a test adds to it."""
+    cases.names()  # it is loaded when it is first asked for
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
 
 
 @pytest.fixture(scope="session")

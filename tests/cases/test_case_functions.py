@@ -4,7 +4,7 @@ import pytest
 
 import cases
 import reference
-from cases import BadValue, registry
+from cases import BadValue
 
 FILE = """
 import cases
@@ -15,13 +15,7 @@ def on_a_table(mu=0.2, mass=1.0):
 """
 
 
-@pytest.fixture(autouse=True)
-def _catalogue_as_before():
-    cases.names()  # imports the catalogue
-    before = dict(registry._entries)
-    yield
-    registry._entries.clear()
-    registry._entries.update(before)
+pytestmark = pytest.mark.usefixtures("catalogue")
 
 
 def in_a_cell(text: str, number: int):

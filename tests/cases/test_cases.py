@@ -67,9 +67,8 @@ def test_a_loaded_case_has_the_parameters_that_were_given_not_equal_ones_of_befo
     )
 
 
-def test_a_case_of_a_user_s_file_is_made_at_each_load(tmp_path, monkeypatch):
+def test_a_case_of_a_user_s_file_is_made_at_each_load(tmp_path, catalogue):
     """Its function may read a file that has changed since."""
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
     file, radius = tmp_path / "reads.py", tmp_path / "radius.txt"
     file.write_text(
         "from pathlib import Path\nimport cases\n\n\n@cases.case\ndef reads_its_radius():\n"

@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import cases
 import reference
-from cases import registry
 from cases.pictures import animation
 from reference.proofs import command
 from reports import cli, options
@@ -26,12 +24,9 @@ _NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)
 
 
 @pytest.fixture
-def desk(tmp_path, monkeypatch):
-    """A folder to write into, a catalogue that forgets what is added to it, films of few pictures, and of sweeps that
-    go on for minutes the first chunks."""
+def desk(tmp_path, monkeypatch, catalogue):
+    """A folder to write into, films of few pictures, and of sweeps that go on for minutes the first chunks."""
     monkeypatch.chdir(tmp_path)
-    cases.names()
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
     whole = reference.sweep_chunks
     monkeypatch.setattr(reference, "sweep_chunks", lambda *of, **over: islice(whole(*of, **over), 2))

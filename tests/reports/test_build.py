@@ -20,17 +20,10 @@ from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
 
-@pytest.fixture
-def case_file(tmp_path, monkeypatch):
-    cases.names()  # the catalogue is loaded when it is first asked for, and is not to go with the copy
-    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
+def test_list_tells_of_a_case_that_fails_and_goes_on(tmp_path, catalogue, capsys):
     file = tmp_path / "broken.py"
     file.write_text("from cases import case\n\n\n@case\ndef broken_case():\n    return 1 / 0\n")
-    return str(file)
-
-
-def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):
-    assert build.main(["--list", "--case-file", case_file]) == 0
+    assert build.main(["--list", "--case-file", str(file)]) == 0
     output = capsys.readouterr().out
     assert "ZeroDivisionError" in output and "disc_in_circle[mu=0.2]" in output
 

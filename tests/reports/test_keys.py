@@ -49,9 +49,7 @@ AS_IT_IS = dict(
 VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
 
 
-def written(tmp_path, monkeypatch, **changes) -> cases.Case:
-    cases.names()  # the catalogue is there before it is copied
-    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
+def written(tmp_path, **changes) -> cases.Case:
     file = tmp_path / "own.py"
     file.write_text(CASE_FILE.format(**AS_IT_IS | changes))
     os.utime(file, (1e9, 1e9))  # edits within one second, which a cache of compiled files would not notice
@@ -76,9 +74,9 @@ def run_key(case, solver="pymunk", route="native", versions=None, truth=TRUTH, r
     ],
     ids=str,
 )
-def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_path, monkeypatch):
-    before = run_key(written(tmp_path, monkeypatch))
-    after = run_key(written(tmp_path, monkeypatch, **changes))
+def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_path, catalogue):
+    before = run_key(written(tmp_path))
+    after = run_key(written(tmp_path, **changes))
     assert before["case"] == after["case"] and before != after
     assert [file.name for file in tmp_path.iterdir()] == ["own.py"]  # nothing is left beside a user's file
 

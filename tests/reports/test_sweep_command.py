@@ -164,9 +164,8 @@ def test_what_applies_to_all_scenarios_ends_the_sweep_at_once(tmp_path, monkeypa
     assert sweep.main(["own.py:some", "--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2"]) == 0
 
 
-def test_a_summary_has_the_reasons_with_their_counts(tmp_path, monkeypatch, capsys, at_once):
+def test_a_summary_has_the_reasons_with_their_counts(tmp_path, monkeypatch, capsys, at_once, catalogue):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
     (tmp_path / "half.py").write_text(OWN.replace("thin", "none"))
     words = ["half.py:half", "--vary", "mu=0.1:0.2:5", "--vary", "v0=1:2:2"]
     assert sweep.main(words) == 0
