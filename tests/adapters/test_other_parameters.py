@@ -15,6 +15,8 @@ from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc
 from tests.sampling import quick_every
 from tests.scenes.motions import in_other_parameters, warped
 
+from .engines import play
+
 EFFECTS = (Gravity(9.81), CoulombFriction(0.15), Unilateral())
 
 
@@ -83,10 +85,7 @@ def motion(engine: str, route: str, name: str, how: str):
     own = SCENES[name]()
     if adapter.refuses(own, route):
         return None
-    case = LINEAR[how](own) if how else own
-    model = adapter.build(case, route, adapter.ladder(own, route)[0])
-    adapter.run(model)
-    return adapter.read(model)
+    return play(engine, route, LINEAR[how](own) if how else own, setting=adapter.ladder(own, route)[0])
 
 
 ROUTES = [("pymunk", "native"), ("pymunk", "assisted"), ("exudyn", "native"), ("exudyn", "integrator")]

@@ -18,6 +18,7 @@ from adapters import Setting
 from cases import Case, CoulombFriction, State, Trajectory
 from cases.contact import slip_velocity
 from reports.judging import ledger, slip_phases
+from tests.adapters.engines import play
 from tests.sampling import quick_every
 
 SCENES = ("disc_in_circle[mu=0.1]", "disc_in_circle[mu=0.2]", "disc_in_parabola", "disc_in_ellipse")
@@ -99,9 +100,7 @@ def test_reading_is_more_accurate_than_what_it_reads(label, name, route, rung, a
     if refusal:
         pytest.skip(refusal)
     setting = adapter.ladder(case, route)[RUNGS[name, route][rung]]
-    model = adapter.build(case, route, setting)
-    adapter.run(model)
-    played = adapter.read(model)
+    played = play(name, route, case, setting=setting)
     played = replace(played, t=np.minimum(played.t, exact.t[-1]))
     of_reading = np.abs(errors(exact, SAMPLED[name](case, exact, played, setting), _mu(case))).max()
     of_engine = np.abs(errors(exact, played, _mu(case))).max()
