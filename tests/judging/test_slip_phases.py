@@ -19,24 +19,10 @@ FORWARD, BACKWARD, ROLL, FLIGHT = Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.RO
 def motion(t, slip, normal=None, friction=None, resolution=0.0, speed=1.0, status="completed") -> Trajectory:
     """A trajectory of which only what the reading looks at matters."""
     zero, unknown = np.zeros(len(t)), np.full(len(t), np.nan)
-    return Trajectory(
-        t=t,
-        **State(
-            x=zero,
-            y=zero,
-            theta=zero,
-            vx=zero + speed,
-            vy=zero,
-            omega=zero,
-            slip=np.asarray(slip, dtype=float),
-            normal_force=unknown if normal is None else normal,
-            friction_force=unknown if friction is None else friction,
-            xi1=zero,
-            xi2=zero,
-        )._asdict(),
-        slip_resolution=resolution,
-        status=status,
-    )
+    forces = (unknown if force is None else force for force in (normal, friction))
+    columns = dict.fromkeys(State._fields, zero) | {"vx": zero + speed, "slip": np.asarray(slip, dtype=float)}
+    columns |= dict(zip(("normal_force", "friction_force"), forces, strict=True))
+    return Trajectory(t=t, **columns, slip_resolution=resolution, status=status)
 
 
 def bowling(t, v0=1.0, mu=MU) -> np.ndarray:
@@ -116,15 +102,6 @@ def test_spread_tells_the_size_of_the_error(circle, count):
         assert abs(found.time - true.time) <= 10 * spread + 1e-15
 
 
-def test_onset_of_slip_is_read_without_forces(circle):
-    exact = circle[0.2]
-    blind = sampled(exact, 501)
-    blind = motion(blind.t, blind.slip)
-    rows = ledger.match(exact.transitions, slip_phases.read_contact(blind, None).transitions)
-    assert [row.pairing for row in rows] == ["paired"] * 4
-    assert max(abs(row.error) for row in rows) <= 1e-8
-
-
 def test_onset_of_slip_is_read_from_the_cone_where_the_slip_has_just_begun(circle):
     exact = circle[0.2]
     # Three slipping samples are too few for the root of the slip; the cone has all of the roll.
@@ -135,27 +112,27 @@ def test_onset_of_slip_is_read_from_the_cone_where_the_slip_has_just_begun(circl
     assert reading.transitions[0].time == pytest.approx(exact.transitions[1].time, abs=1e-8)
 
 
-def test_noisy_forces_do_not_spoil_the_onset_of_slip(circle):
-    exact = circle[0.2]
-    clean = sampled(exact, 1001)
-    factor = 1.0 + 0.5 * np.random.default_rng(1).standard_normal(1001)
-    noisy = motion(clean.t, clean.slip, clean.normal_force * np.abs(factor), clean.friction_force)
-    rows = ledger.match(exact.transitions, slip_phases.read_contact(noisy, 0.2).transitions)
-    assert [row.pairing for row in rows] == ["paired"] * 4
-    assert max(abs(row.error) for row in rows) <= 1e-8
+SHAKEN = np.random.default_rng(1).standard_normal(1001)
+# Noise of the slip (m/s), resolution (m/s), factor of the normal force, coefficient, and the largest error (s): without
+# forces and with noisy ones, that of the samples; extrapolation over a few samples enlarges noise by about a hundred,
+# and the slopes there are of the order one to ten.
+POOR = {
+    "no forces": (0.0, 0.0, np.nan, None, 1e-8),
+    "noisy forces": (0.0, 0.0, np.abs(1.0 + 0.5 * SHAKEN), 0.2, 1e-8),
+    "rounding": (1e-12, 0.0, 1.0, 0.2, 1e-9),
+    "noise": (1e-7, 1e-6, 1.0, 0.2, 1e-5),
+}
 
 
-@pytest.mark.parametrize("noise, resolution, bound", [(1e-12, 0.0, 1e-9), (1e-7, 1e-6, 1e-5)])
-def test_noise_moves_transitions_no_more_than_its_size_allows(circle, noise, resolution, bound):
-    exact = circle[0.2]
-    clean = sampled(exact, 1001)
-    slip = clean.slip + noise * np.random.default_rng(2).standard_normal(1001)
-    reading = slip_phases.read_contact(
-        motion(clean.t, slip, clean.normal_force, clean.friction_force, resolution, speed=3.0), 0.2
-    )
-    rows = ledger.match(exact.transitions, reading.transitions)
+@pytest.mark.parametrize("how", POOR)
+def test_poor_samples_move_transitions_no_more_than_their_size_allows(circle, how):
+    noise, resolution, factor, mu, bound = POOR[how]
+    clean = sampled(circle[0.2], 1001)
+    friction = clean.friction_force + 0.0 * factor
+    slip = clean.slip + noise * SHAKEN
+    made = motion(clean.t, slip, factor * clean.normal_force, friction, resolution, speed=3.0)
+    rows = ledger.match(circle[0.2].transitions, slip_phases.read_contact(made, mu).transitions)
     assert [row.pairing for row in rows] == ["paired"] * 4
-    # Extrapolation over a few samples enlarges noise by about a hundred; the slopes there are of the order one to ten.
     assert max(abs(row.error) for row in rows) <= bound
 
 

@@ -126,14 +126,6 @@ def bounce(t, at: float, down: float, up: float, pull: float = G) -> tuple[np.nd
     return R + v * s - 0.5 * pull * s * s, v - pull * s
 
 
-@pytest.mark.parametrize("at", [0.31, 0.3141592, 0.319999])
-def test_impact_between_samples_is_where_two_parabolas_meet(at):
-    t = np.linspace(0.0, 0.6, 61)
-    output = transitions.read_motion(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
-    assert output.first_mode is FLIGHT and kinds(output) == [(FLIGHT, FLIGHT)]
-    assert times(output) == pytest.approx([at], abs=1e-14)
-
-
 def test_impact_on_a_doubled_sample_is_there():
     t = np.sort(np.append(np.linspace(0.0, 0.6, 61), 0.30))
     y, v = bounce(t, 0.30, 3.0, 1.5)
@@ -143,53 +135,50 @@ def test_impact_on_a_doubled_sample_is_there():
     assert kinds(output) == [(FLIGHT, FLIGHT)] and times(output) == [t[np.flatnonzero(np.diff(t) == 0.0)[0]]]
 
 
-def test_one_contact_sample_between_two_flights_is_an_impact():
-    t = np.linspace(0.0, 0.6, 61)
-    y, v = bounce(t, 0.302, 3.0, 1.5)
-    output = transitions.read_motion(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
-    assert kinds(output) == [(FLIGHT, FLIGHT)]
-    assert times(output) == pytest.approx([0.302], abs=1e-14)
+STEPS, FEWER, LONG = np.linspace(0.0, 0.6, 61), np.linspace(0.0, 0.6, 60), np.linspace(0.0, 3.0, 31)
+# Air drag as strong as gravity at the end of the fall: the acceleration changes by all of it.
+DRAG, END, DECAY = thrown(Gravity(G), Load(fy="-2*vy"), Impact(0.5), duration=3.0), G / 2.0, np.exp(-2.0 * LONG)
+# Gravity is turned around at the impact: what hits the floor without a rebound leaves it at once.
+TURNED = thrown(Gravity(G), Load(fy=f"{2 * G}*(1+tanh(1e6*(t-0.3)))/2"), Impact(0.0), duration=0.6)
+DOWN, DOWN_RATE = bounce(FEWER, 0.3, 3.0, 0.0)
+UP = np.maximum(FEWER - 0.3, 0.0)
+AT, FALL, FALL_RATE = 0.3141592, *bounce(STEPS, 0.3141592, 3.0, 0.0)
+WEIGHTLESS, RATE = bounce(STEPS, 0.3141, 3.0, 1.5, pull=0.0)
+ROUNDING = 1e-7 * np.random.default_rng(1).standard_normal(61)
+# The case, the motion, the modes after each change with its time, and the error allowed (s).
+FALLS = {
+    **{
+        f"an impact at {at} between samples, where two parabolas meet": (
+            thrown(), motion(STEPS, *bounce(STEPS, at, 3.0, 1.5)), [(FLIGHT, at)], 1e-14,
+        )
+        for at in (0.31, AT, 0.319999)
+    },
+    "one contact sample between two flights is an impact": (
+        thrown(), motion(STEPS, *bounce(STEPS, 0.302, 3.0, 1.5), contact=np.arange(61) == 31), [(FLIGHT, 0.302)], 1e-14,
+    ),
+    "a flight without a jump has no impact even under a strong load": (
+        DRAG, motion(LONG, 50.0 - END * LONG + END / 2.0 * (1.0 - DECAY), -END * (1.0 - DECAY)), [], 0.0,
+    ),
+    "an impact without gravity is seen and rounding is none": (
+        thrown(Impact(0.5)), motion(STEPS, WEIGHTLESS, RATE + ROUNDING), [(FLIGHT, 0.3141)], 1e-7,
+    ),
+    "an impact without a rebound where the plate flies on": (
+        TURNED, motion(FEWER, np.where(UP > 0.0, R + 0.5 * G * UP**2, DOWN), np.where(UP > 0.0, G * UP, DOWN_RATE)),
+        [(FLIGHT, 0.3)], 1e-2,
+    ),
+    "a landing without a rebound where the fall meets the floor": (
+        thrown(), motion(STEPS, np.where(STEPS > AT, R, FALL), np.where(STEPS > AT, 0.0, FALL_RATE), STEPS > AT),
+        [(ROLL, AT)], 1e-14,
+    ),
+}  # fmt: skip
 
 
-def test_flight_without_jump_has_no_impact_even_under_a_strong_load():
-    # Air drag as strong as gravity at the end of the fall: the acceleration changes by all of it.
-    case = thrown(Gravity(G), Load(fy="-2*vy"), Impact(0.5), duration=3.0)
-    t = np.linspace(0.0, 3.0, 31)
-    end, decay = G / 2.0, np.exp(-2.0 * t)
-    output = transitions.read_motion(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
-    assert output.first_mode is FLIGHT and output.transitions == ()
-
-
-def test_impact_without_gravity_is_seen_and_rounding_is_none():
-    case = thrown(Impact(0.5))
-    t = np.linspace(0.0, 0.6, 61)
-    y, v = bounce(t, 0.3141, 3.0, 1.5, pull=0.0)
-    rounding = 1e-7 * np.random.default_rng(1).standard_normal(61)
-    output = transitions.read_motion(case, motion(t, y, v + rounding))
-    assert kinds(output) == [(FLIGHT, FLIGHT)]
-    assert times(output) == pytest.approx([0.3141], abs=1e-7)
-
-
-def test_impact_without_a_rebound_is_listed_where_the_plate_flies_on():
-    # Gravity is turned around at the impact: what hits the floor without a rebound leaves it at once.
-    case = thrown(Gravity(G), Load(fy=f"{2 * G}*(1+tanh(1e6*(t-0.3)))/2"), Impact(0.0), duration=0.6)
-    t = np.linspace(0.0, 0.6, 60)
-    y, v = bounce(t, 0.3, 3.0, 0.0)
-    up = t > 0.3
-    y[up], v[up] = R + 0.5 * G * (t[up] - 0.3) ** 2, G * (t[up] - 0.3)
-    output = transitions.read_motion(case, motion(t, y, v))
-    assert kinds(output) == [(FLIGHT, FLIGHT)]
-    assert times(output) == pytest.approx([0.3], abs=1e-2)
-
-
-def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
-    t = np.linspace(0.0, 0.6, 61)
-    y, v = bounce(t, 0.3141592, 3.0, 0.0)
-    down = t > 0.3141592
-    y[down], v[down] = R, 0.0
-    output = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
-    assert kinds(output) == [(FLIGHT, ROLL)]
-    assert times(output) == pytest.approx([0.3141592], abs=1e-14)
+@pytest.mark.parametrize("name", FALLS)
+def test_a_fall_is_read_as_what_it_is(name):
+    case, made, changes, error = FALLS[name]
+    output = transitions.read_motion(case, made)
+    assert output.first_mode is FLIGHT and kinds(output) == [(FLIGHT, mode) for mode, _ in changes]
+    assert times(output) == pytest.approx([time for _, time in changes], abs=error)
 
 
 def test_contacts_between_flights_are_read_each_for_itself():

@@ -81,21 +81,6 @@ def test_no_word_of_the_dialect_is_on_a_page(page):
     assert dialect(read_page(page)) == []
 
 
-@pytest.mark.parametrize(
-    "sentence",
-    [
-        "A second contact beside the first ends the motion and is told.",
-        "As they come, pymunk misses that by 43 ms",
-        "also runs what is long",
-        "what may come from strangers",
-        "Where a publisher is known to be off, it is said why.",
-        "One call from cold takes 36 ms.",
-        "Below a tenth they are alike.",
-    ],
-)
-def test_a_sentence_of_the_dialect_is_reported(sentence):
-    assert dialect(sentence)
-
-
-def test_code_is_not_prose():
+def test_words_of_the_dialect_are_reported_and_code_is_not_prose():
+    assert len(dialect("A contact beside the first is told: as they come from strangers, it is said whom to ask.")) == 6
     assert dialect("`award` is `by chance`.\n\n```python\ntold = 1\n```\n\n    whom to trust\n") == []
