@@ -4,7 +4,6 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
 from pathlib import Path
 
 import pytest
@@ -93,17 +92,3 @@ def test_what_opens_a_session_of_its_own_ends_too(then):
             process.terminate()
         process.wait(60)
         assert gone(daemon)
-
-
-def test_it_ends_with_the_process_that_started_it():
-    inner = BEGIN.format(memory=1000) + "print(os.getppid(), os.getpid(), flush=True)\ntime.sleep(600)"
-    outer = "import subprocess, sys\nsubprocess.Popen([sys.executable, '-c', sys.argv[1]])\ninput()"
-    words = [sys.executable, "-c", outer, inner]
-    with subprocess.Popen(words, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        below = list(map(int, process.stdout.readline().split()))
-        assert len(below) == 2 and not any(map(gone, below))
-        process.kill()
-    deadline = time.monotonic() + 30
-    while not all(map(gone, below)):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)

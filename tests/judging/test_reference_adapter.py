@@ -6,7 +6,7 @@ import cases
 import reference
 from adapters.interface import refusal
 from cases import Trajectory
-from reports.running import reference_adapter, tasks
+from reports.running import reference_adapter
 from tests.sampling import quick_every
 
 RTOL = 1e-11
@@ -36,16 +36,6 @@ def test_a_row_of_the_reference_is_its_motion(name, method):
     ]
     for name in ("t", "x", "y", "theta", "vx"):
         assert getattr(ours, name).tolist() == getattr(motion, name).tolist()
-
-
-def test_a_row_of_a_driven_track_is_the_true_motion():
-    case = cases.load("disc_on_shaken_table")
-    truth = tasks.find_truth(case)
-    judged = tasks.judge(
-        tasks.Run(case.label, "reference", "taylor", reference_adapter.Setting.of(rtol=RTOL), 0, outcome=""), case,
-        row(case, "dop853"), tasks.true_motion(case, truth.method), truth,
-    )  # fmt: skip
-    assert judged.grade == "excellent"
 
 
 @pytest.mark.parametrize("method", reference.METHODS)

@@ -130,12 +130,6 @@ def test_a_fault_of_an_engine_is_a_row_and_no_other_row_changes(installed, witho
 
 
 @pytest.mark.slow
-def test_every_fault_is_a_row_of_a_quick_report_and_no_other_row_changes(installed):
-    faults = [*FATES, FAR]
-    check(["--quick", "--case", fake_adapter.CASE], installed(faults), faults)
-
-
-@pytest.mark.slow
 def test_every_fault_is_a_row_of_a_default_report_with_timings(installed):
     # Enough settings for a curve, so that all of them come to the clock.
     faults, ladder = [*FATES, FAR], [f"wait {i}" for i in range(6)]

@@ -80,11 +80,3 @@ def test_formats_for_programs(tmp_path, capsys):
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
     (failure,) = suite.iter("failure")
     assert failure.get("message") == "answered, now crashed"
-
-
-def test_reports_without_a_common_run_cannot_be_compared(tmp_path, capsys):
-    old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | {"case": "disc_on_incline"})
-    assert gate.main(["--baseline", old, new]) == 2
-    assert "no run in common" in capsys.readouterr().err
-    assert gate.main([new]) == 2
-    assert "give --baseline DIR" in capsys.readouterr().err

@@ -53,11 +53,6 @@ def test_what_was_run_is_not_run_again_and_a_changed_setting_alone_is(fake):
     assert [run.rung for run in changed.values()] == [1, 2, 3]
 
 
-def test_times_of_a_kept_run_stay_those_measured_and_say_when(fake):
-    first, again = fake(["wait 1"])["wait 1"], fake(["wait 1"])["wait 1"]
-    assert first.cost == again.cost and first.when == again.when and first.when.startswith("20")
-
-
 def test_fresh_runs_all_again_and_keeps_it(fake):
     before = fake(["wait 1"])["wait 1"]
     anew = fake(["wait 1"], fresh=True)["wait 1"]

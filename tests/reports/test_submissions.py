@@ -58,20 +58,10 @@ def test_a_wrong_motion_is_a_result(hand_in, poses):
     assert run.grade == "unusable"
 
 
-def test_creep_counts_as_rolling_declared_or_not(hand_in, poses, tmp_path):
-    table = creeping(poses)
-    _, (quiet,) = submissions.judge_all(hand_in(table))
-    assert [row.pairing for row in quiet.ledger] == ["paired"]
-    assert quiet.score.creep == pytest.approx(5e-3, rel=1e-3)
-    head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
-    head.write_text(head.read_text() + "\ncreep = 6e-3\n")
-    _, (declared,) = submissions.judge_all(head.parent)
-    assert [row.pairing for row in declared.ledger] == ["paired"]
-
-
-def test_millimetres_are_told(hand_in, poses, capsys):
-    assert compare.main([str(hand_in(poses.assign(x=1e3 * poses.x, y=1e3 * poses.y)))]) == 2
-    assert "metres" in capsys.readouterr().err
+def test_declared_creep_counts_as_rolling(hand_in, poses):
+    _, (run,) = submissions.judge_all(hand_in(creeping(poses), creep=6e-3))
+    assert [row.pairing for row in run.ledger] == ["paired"]
+    assert run.score.creep == pytest.approx(5e-3, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -85,11 +85,6 @@ def test_late_transition_has_its_error_in_the_ledger(monkeypatch, line):
     assert run.score.mode == pytest.approx(2e-3 / line[1].scale.time, rel=1e-3)
 
 
-def with_nan(case) -> Trajectory:
-    motion = bowling(case)
-    return replace(motion, x=np.where(np.arange(len(motion.x)) == 5, np.nan, motion.x))
-
-
 def failing(error):
     def read(case):
         raise error
@@ -100,7 +95,6 @@ def failing(error):
 @pytest.mark.parametrize(
     "read, outcome, reason",
     [
-        (with_nan, "crashed", "not finite"),
         (failing(EngineFailure("Newton gave up")), "crashed", "Newton gave up"),
         (failing(ZeroDivisionError("by zero")), "crashed", "ZeroDivisionError: by zero"),
         (failing(NotSupported("no curves here")), "unsupported", "no curves here"),

@@ -145,6 +145,8 @@ MISTAKES = {
     "omega in turns per minute": (times(30 / np.pi, "omega"), "omega seems to be in turns per minute"),
     "velocities in millimetres": (times(1e3, "vx", "vy"), "vx seems to be in millimetres"),
     "vy downwards": (times(-1.0, "vy"), "vy seems to be of the other sign"),
+    "slip half a step early": (late(["slip"], STEP / 2), "slip seems to belong to times half a step before the poses"),
+    "slip half a step ahead": (late(["slip"], -STEP / 2), "slip seems to belong to times half a step after the poses"),
     "slip of the other sign": (times(-1.0, "slip"), "slip seems to be of the other sign"),
     "slip in millimetres": (times(1e3, "slip"), "slip seems to be in millimetres"),
     "the centre's speed as slip": (centres_speed, "the speed of the centre"),
