@@ -1,6 +1,5 @@
 """Curves: the library against what is known of its curves, strings, measured points, and the errors of all three."""
 
-import re
 from math import gamma, pi, sinh
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe
 
-from cases import BadValue, Curve, library
+from cases import Curve, library
 from cases import curves as c
 
 
@@ -45,20 +44,8 @@ def test_a_library_curve_has_the_size_that_books_give(measured, known):
     assert measured() == pytest.approx(known, rel=1e-12)
 
 
-def refused(kind, says, make):
-    with pytest.raises(kind, match=re.escape(says)) as error:
-        make()
-    assert "\n" not in str(error.value)
-
-
 def test_strings_and_a_function_give_one_curve():
     assert Curve(("s", "-0.3*cos(2*s)"), (-3, 3)) == Curve(lambda s: (s, -0.3 * c.cos(2 * s)), (-3, 3))
-
-
-def test_a_file_with_a_bad_line_is_told_with_the_line(tmp_path):
-    file = tmp_path / "points.csv"
-    file.write_text("x,y\n0,0\n1,zero\n")
-    refused(BadValue, "points.csv:3", lambda: Curve.spline(file, closed=True))
 
 
 @pytest.mark.parametrize("curve", [library.ellipse(1.2, 0.8), library.line(0.3), Curve(("s", "sin(s)"), (-3.0, 4.0)),

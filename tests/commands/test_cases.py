@@ -11,19 +11,17 @@ import numpy as np
 import pytest
 
 import cases
-from cases import lookup, registry
+from cases import lookup
 from cases.commands import TEMPLATE, main
 from cases.files import command_line, owned_folder, trial
-from reports import animate, build, compare, options, sweep
+from reports import animate, build, options
 
 
 @pytest.fixture
-def desk(tmp_path, monkeypatch):
+def desk(tmp_path, monkeypatch, catalogue):
     """An empty working folder, and a catalogue that forgets what is loaded. The commands are those that are installed:
     where pyproject.toml is newer than the installation, `pip install -e .` (or make) declares them."""
     monkeypatch.chdir(tmp_path)
-    cases.names()
-    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
     return tmp_path
 
 
@@ -213,26 +211,6 @@ def test_a_case_is_found_by_name_variant_file_and_function(text, labels, desk, c
     assert files == ((str(desk / "two.py"),) if "two" in text else ())
     out = run(capsys, "check", text)[1]
     assert [line.partition(":")[0] for line in out.splitlines() if ": fits; slides" in line] == labels
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        lambda text: main(["show", text]),
-        lambda text: main(["export", text]),
-        lambda text: compare.main([text, "motion.csv"]),
-        lambda text: animate.main([text]),
-        lambda text: sweep.main([text, "--vary", "mu=0.1:0.2:2"]),
-    ],
-    ids=["show", "export", "compare", "animate", "sweep"],
-)
-def test_a_command_of_one_case_finds_it_in_a_file_and_names_those_of_a_file_with_several(command, desk, capsys):
-    (desk / "two.py").write_text(TWO)
-    for text in ("two.py", "two"):
-        assert command(text) == 2
-        assert f"{text} has 2 cases, slow_one, fast_one; give one: two.py:slow_one" in capsys.readouterr().err
-    assert command("two.py:fast_one[mew=1]") == 2
-    assert "there is no parameter of fast_one 'mew'; choose from mu" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from adapters.laws.__main__ import main
+
 STARTER = Path(__file__).parents[2] / "starter" / "adapter.py"
 MOST_LINES = 110
 CASE = "disc_on_line[mu=0.1]"
@@ -81,3 +83,24 @@ def test_a_report_grades_it_and_has_it_in_its_tables(report):
 def test_two_reports_with_it_are_compared(report, command):
     status, output = command("reports.compare", str(report), str(report))
     assert status == 0, output
+
+
+# --- a file, and mistakes ---------------------------------------------------------------------------------------------
+
+TORQUE = "omega + push * r / inertia"
+
+
+def test_a_wrong_one_is_told_which_law_and_by_how_much_and_which_it_does_not_support(tmp_path, capsys):
+    assert TORQUE in (text := STARTER.read_text())
+    (tmp_path / "theirs.py").write_text(text.replace(TORQUE, "omega + 0.9 * push * r / inertia"))
+    assert main([str(tmp_path / "theirs.py"), "--law", "friction_torque", "lift_off"]) == 1
+    output = capsys.readouterr().out
+    assert "native  lift_off: refused: my_engine has discs on" in output
+    assert output.endswith("my_engine: 1 broken, 1 refused\n")
+    assert "friction_torque: broken: friction torque: the spin of a sliding disc is off by" in output
+
+
+def test_engine_that_is_not_installed_says_so(tmp_path, capsys):
+    (tmp_path / "absent.py").write_text("import no_such_engine\n")
+    assert main([str(tmp_path / "absent.py")]) == 2
+    assert "no_such_engine" in capsys.readouterr().err

@@ -8,13 +8,6 @@ import cases
 from reports import cli
 
 
-def test_a_sub_command_is_its_module(capsys):
-    assert cli.main(["compare", "disc_in_circle[mu=0.2]", "nowhere.csv"]) == 2
-    assert "nowhere.csv" in capsys.readouterr().err
-    assert cli.main(["cases"]) == 0
-    assert "disc_in_circle" in capsys.readouterr().out
-
-
 def test_help_names_every_command(capsys):
     assert cli.main([]) == 0
     output = capsys.readouterr().out

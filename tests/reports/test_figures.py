@@ -14,7 +14,7 @@ from adapters import Setting
 from cases import Mode, Transition
 from cases.pictures.style import apply_style
 from reports.analysis.verdict import SceneOffs
-from reports.drawing import figures, matplotlib_writer, svg_writer
+from reports.drawing import figure_files, figures, matplotlib_writer, svg_writer
 from reports.drawing.style import STYLE, LineStyles
 from reports.drawing.traces import Diagram, Panel, PlotAxis, Trace
 from reports.judging.distances import Distance
@@ -143,3 +143,27 @@ def test_a_line_is_interrupted_where_there_is_no_value_and_where_it_leaves_the_a
     diagram = Diagram("", "", ((Panel(PlotAxis(), PlotAxis(low=0.0, high=2.0), (trace,)),),))
     (path,) = re.findall(r'class="curve" d="([^"]*)"', str(svg_writer.svg(diagram, LOOKS)))
     assert path.count("M") == 3 and "nan" not in path
+
+
+# --- files ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
+    figure, ax = plt.subplots()
+    ax.bar([0, 1], [1.0, nan])
+    ax.plot([], [], "o")  # nothing to draw: a group without content
+    ax.text(0.5, 0.5, "")
+    drawn = figure_files.save(figure, tmp_path, "figure", "case", "Title", "Words")
+    figure_files.embed_command(tmp_path, drawn, "python -m reports.build --case a<b")
+    output = ET.parse(tmp_path / "figure.svg").getroot()
+    assert "--case a<b" in next(child.text or "" for child in output if child.tag.endswith("desc"))
+
+
+def test_text_stays_text_after_the_style_of_a_figure_ended(tmp_path):
+    """The outlines of letters were most of the paper's figures."""
+    with matplotlib.rc_context(STYLE):
+        figure, ax = plt.subplots()
+        ax.set_title("a title")
+    with matplotlib.rc_context({"svg.fonttype": "path"}):
+        figure_files.save(figure, tmp_path, "figure", "", "Title", "Words")
+    assert ">a title<" in (tmp_path / "figure.svg").read_text()

@@ -14,6 +14,8 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import cases
 from adapters import Setting
@@ -25,7 +27,7 @@ from reports.page import chapters, evidence, html, motions, vendor
 from reports.page.case_matrix import matrix
 from reports.page.engine_rows import engine_rows
 from reports.page.fragments import anchor, short_percent
-from reports.page.table_files import Tables, write
+from reports.page.table_files import Tables, with_short_numbers, write
 from reports.running.records import Experiment, Truth
 from tests.judging.test_verdict import experiment, run
 
@@ -224,3 +226,16 @@ def test_what_to_change_for_one_percent_is_confirmed_by_all_finer_settings(offs,
     (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
     assert row["so"].startswith(text)
     assert row["cells"]["default settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
+
+
+@given(st.floats(1e-300, 1e300))
+def test_an_error_bar_has_four_digits_and_is_never_smaller(bar):
+    short = with_short_numbers(pd.DataFrame({"truth_error_bar": [bar]}))["truth_error_bar"][0]
+    assert bar <= short == pytest.approx(bar, rel=1e-3)
+    assert float(f"{short:.3e}") == short
+
+
+def test_errors_keep_all_digits_and_other_values_stay():
+    row = {"error": 1 / 3, "doubt": 1e-3, "floor_error": "a word", "reading_doubt": None, "off_doubt": 2 / 3}
+    short = with_short_numbers(pd.DataFrame([row], dtype=object)).to_dict("records")
+    assert short == [row]
