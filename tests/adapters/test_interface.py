@@ -1,18 +1,8 @@
-"""Adapters by name, this suite's and other people's."""
-
-from importlib.metadata import EntryPoint
+"""A setting of an engine: its knobs, and its text."""
 
 import pytest
 
-import adapters
-from adapters import Setting, lookup
-
-
-def test_an_installed_package_brings_its_adapter_by_an_entry_point(monkeypatch):
-    point = EntryPoint("theirs", "adapters.pymunk", lookup.GROUP)  # any module will do
-    monkeypatch.setattr(lookup, "entry_points", lambda group: [point] if group == lookup.GROUP else [])
-    assert "theirs" in adapters.engines()
-    assert adapters.engine("theirs").NAME == "pymunk"
+from adapters import Setting
 
 
 def test_a_setting_reads_as_its_knobs():

@@ -345,6 +345,7 @@ CALLS = {
         (lambda: lookup.register(Path("pymunk")), "of its own"),
         (lambda: lookup.register(Path("two words")), "of its own"),
         (lambda: lookup.find("fails.py"), "fails.py fails: ZeroDivisionError"),
+        (lambda: lookup.find("json"), "json is not an adapter: it lacks NAME, routes,"),
         (lambda: lookup.find("empty.py"), "it lacks routes, refuses, ladder, build, run, read, version"),
         *(
             (lambda name=name: studies.study(name), f"in a clone type: python -m tests.benchmarks {name}")
@@ -421,7 +422,8 @@ CALLS = {
         (lambda: reference.derivatives(cases.load("disc_on_line"), "nu"), "mu"),
         (lambda: cases.load("none.py:on_a_table"), "no case file"),
         (lambda: adapters.engine("exudin"), "choose from"),
-        (lambda: lookup.find("none.py"), "none.py"),
+        (lambda: lookup.find("none.py"), "there is no adapter file 'none.py'"),
+        (lambda: lookup.find("no_such.module"), "there is no adapter, Python file or module 'no_such.module'"),
         (lambda: REST.plate("disc3"), "disc3"),
     ],
     NotSupported: [
@@ -592,11 +594,8 @@ LINES = [
     ("cases film disc_on_line --out film.avi", "end it in .gif or .mp4"),
     *((f"{name} bash", f"{name} is gone; {words}") for name, words in cli.GONE.items()),
     ("laws exudin", "there is no adapter, Python file or module 'exudin'; choose from"),
-    ("laws no_such.module", "there is no adapter, Python file or module 'no_such.module'"),
-    ("laws nowhere.py", "there is no adapter file 'nowhere.py'"),
     ("laws formula.py --law friction_torqe", "there is no law 'friction_torqe'; did you mean friction_torque or"),
     ("laws formula.py --route assisted", "there is no route of formula 'assisted'; choose from native"),
-    ("laws json", "json is not an adapter: it lacks NAME, routes,"),
     ("laws .", "the adapter . fails while it is imported: TypeError: "),
     ("laws", "the following arguments are required: ADAPTER; see"),
     ("laws formula.py --rout native", "there is no option '--rout'; choose from --help, --law, --log-level, --route"),
