@@ -59,6 +59,16 @@ ENDS = {
     "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
     "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
 }
+
+
+def end_of_curve(t: float, who: str, which: str, end: float) -> Ending:
+    """The ending where a plate meets an end of an open curve; `end`: the curve's parameter there."""
+    return ENDS["track_end"][0], (
+        f"{who} meets the end of {which} at xi1 = {end:.9g}, at t = {t:.9g} s, where no contact goes on; make the "
+        "curve longer, or give it as a Chain with a corner there."
+    )
+
+
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
 NO_SLIP = (
     "paradox",
@@ -199,7 +209,7 @@ STATUSES = {
     COMPLETION[0]: "the motion ran to its end",
     LIFT_OFF[0]: "the plate leaves its track, and the case has no Flight",
     LANDING_END[0]: "the plate meets its track, and the case has no Impact or two corners meet",
-    "track_end": "the contact reached an end of an open track",
+    "track_end": "the contact, or a plate from the side, reached an end of an open track or support",
     "outline_end": "the contact reached an end of an open outline",
     "no_fit": "the curvatures of outline and track became equal",
     FLAT[0]: "the plate touches in a second place, and the case's effects are for one contact or have no Impact",

@@ -36,9 +36,9 @@ def may_touch(track: Piece, outline: Piece, bounds: Callable[[Piece], tuple[floa
     return not is_below_side and not (track.features is None and bounds(outline)[1] <= 0.0)
 
 
-def _in_frame(corner: Corner, pose: Pose) -> tuple[float, float]:
-    """A corner of the track in the frame of the plate."""
-    u, v, c, s = corner.x - pose[0], corner.y - pose[1], cos(pose[2]), sin(pose[2])
+def in_frame(x: float, y: float, pose: Pose) -> tuple[float, float]:
+    """A point in the frame of the plate."""
+    u, v, c, s = x - pose[0], y - pose[1], cos(pose[2]), sin(pose[2])
     return c * u + s * v, c * v - s * u
 
 
@@ -83,7 +83,7 @@ def _on_both(first: tuple[Curve, Element], second: tuple[Curve, Element], contac
 
 def _of_corners(track: Corner, outline: Corner, pose: Pose) -> Contact:
     """Two corners, whose normal is the direction from one to the other; they do not overlap."""
-    u, v = _in_frame(track, pose)
+    u, v = in_frame(track.x, track.y, pose)
     # In the plate's frame; the tangent is the normal, turned back by a right angle.
     dx, dy = outline.x - u, outline.y - v
     direction = atan2(-dx, dy)

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import ceil, floor, log2
+from math import ceil, floor, hypot, inf, log2, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from ..curves import Curve
 from ..curves.chain import Chain
+from ..curves.corner import Corner
 from ..curves.outline import sizes_of
 from ..formulas.features import union
 from .close_pairs import nearest_on
-from .element_pairs import nearest_on_elements
+from .element_pairs import in_frame, nearest_on_elements
 from .geometry import Contact
 from .nearest import nearest_pair
 
@@ -38,6 +39,9 @@ ROUNDING = 1e-12
 # An overlap below this part of the plates' size and place is the error of a motion that begins again in one of its
 # states, and the plates touch: three times the largest in 60 motions of several plates at the default tolerance.
 OVERLAPS = 1e-9
+# An outline's reach is known by its samples: it is at most BEYOND times that. Points farther away than FARTHER times it
+# have bounds on their distances.
+BEYOND, FARTHER = 1.001, 2.0
 
 
 class SeenPolygon(NamedTuple):
@@ -144,8 +148,33 @@ def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> 
         pose = (np.array([value]) for value in (x, y, theta, nearest_on(curve, x, y)))
         if first_overlap(curve, outline, *pose) is not None:
             return True
-    pair = nearest_pair(curve, outline, x, y, theta)
-    return pair is not None and pair.gap < -OVERLAPS * (abs(x) + abs(y) + sizes_of(outline).reach)
+    pair, least = nearest_pair(curve, outline, x, y, theta), OVERLAPS * (abs(x) + abs(y) + sizes_of(outline).reach)
+    return (pair is not None and pair.gap < -least) or deepest_end(curve, outline, x, y, theta)[0] > least
+
+
+def deepest_end(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> tuple[float, float]:
+    """How deep an end of an open curve lies inside a plate in a pose (m, negative: outside), and the curve's parameter
+    there, of the end that is deepest; −∞ and NaN of a curve without ends, or an outline without inside."""
+    depths = [(-inf, nan)]
+    for end in (curve.ends or ()) if outline.period else ():
+        u, v = map(float, curve.point(end))
+        depths.append((depth_inside(outline, *in_frame(u, v, (x, y, theta))), float(end)))
+    return max(depths)
+
+
+def depth_inside(outline: Curve, u: float, v: float) -> float:
+    """How deep a point in the plate's frame lies inside a closed outline: its distance from it (m), negative outside.
+    Of a point that is farther from the origin than FARTHER times the outline a bound."""
+    if (far := hypot(u, v)) > FARTHER * (reach := sizes_of(outline).reach):
+        return BEYOND * reach - far
+    foot = nearest_on(outline, u, v)
+    away, element = outline.point(foot) - (u, v), outline.element_at(foot)
+    following = outline.element(element.number + 1)
+    if following is not None and isinstance(following.piece, Corner) and foot >= np.nextafter(following.start, -inf):
+        element = following
+    if isinstance(element.piece, Corner):  # seen from the middle of its angle: from anywhere next to it
+        foot = element.middle + element.shift
+    return float(np.copysign(np.hypot(*away), -away @ outline.normal(foot)))
 
 
 @lru_cache(maxsize=64)

@@ -1,4 +1,5 @@
-"""A corner of a chain of curves, and a straight edge: the two pieces that are no formula of a user.
+"""A corner of a chain of curves, the end of an open curve as a corner, and a straight edge: pieces that are no formula
+of a user.
 
 Any piece has a parameter u with R'(u) = ρ(u) τ and a tangent angle φ with φ'(u) = k(u). On a smooth curve ρ = |R_p| and
 k = κρ. At a corner ρ = 0 and k = ±1: the point is fixed, and the parameter is the angle by which the tangent turned.
@@ -7,7 +8,7 @@ k = κρ. At a corner ρ = 0 and k = ±1: the point is fixed, and the parameter 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf
+from math import hypot, inf, pi
 
 import numpy as np
 
@@ -86,6 +87,16 @@ class Corner(OneElement):
     def curvature(self, s):
         """Infinite, with the sign of the turn."""
         return np.full(np.shape(s), self.sign * inf) if np.ndim(s) else self.sign * inf
+
+
+def end_corners(curve: Curve) -> tuple[tuple[float, Corner], ...]:
+    """The parameters of both ends of an open curve, each with the end as a corner at which the curve turns back: its
+    normal goes from the curve's left one over the end to the right one, or back. None of another curve."""
+    corners = list[tuple[float, Corner]]()
+    for end, back in zip(curve.ends or (), (pi, 0.0), strict=False):
+        x, y = map(float, curve.point(end))
+        corners.append((end, Corner(x, y, float(curve.tangent_angle(end)) + back, -pi)))
+    return tuple(corners)
 
 
 class Edge(Curve):

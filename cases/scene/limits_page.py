@@ -21,7 +21,8 @@ _TAIL = """## Where a simulation stops
   reports the place, with the status `paradox` or `not_unique`.
 - Impacts have no duration. Newton's law of restitution can create energy where friction reverses the slip; the
   simulation then stops and reports it. With Moreau's law, which engines with a fixed step use, it continues.
-- A plate does not land on the ends of an open curve.
+- No contact is computed on the ends of an open curve: the motion of a plate that meets one ends there, with the status
+  `track_end`. A `Chain` with a corner in place of the end has contacts there.
 - The paper's own matrix (method `augmented`) is solved at corners at single instants only.
 
 ## Engines, platforms and times

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..contact import geometry
 from ..contact.nearest import contacts
-from ..contact.overlap_search import OVERLAPS
+from ..contact.overlap_search import OVERLAPS, deepest_end
 from ..curves import Curve
 from ..curves.chain import Chain
 from ..curves.corner import Edge
@@ -55,7 +55,14 @@ def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effec
         place = drive.at(0.0)
         x, y, *velocities = place.seen_from_track(pose.x, pose.y, pose.vx, pose.vy, pose.omega)
         own = StartPose(x, y, pose.theta - place.angle, *velocities)
-    contact = min(contacts(track, outline, own.x, own.y, own.theta), key=lambda contact: contact.gap, default=None)
+    where = own.x, own.y, own.theta
+    depth, end = deepest_end(track, outline, *where)
+    if depth > OVERLAPS * (abs(own.x) + abs(own.y) + outline.sizes[0]):
+        raise DoesNotFit(
+            f"the plate overlaps the end of its track at xi1 = {end:.6g} by {depth:.6g} m in the StartPose; give "
+            "another one"
+        )
+    contact = min(contacts(track, outline, *where), key=lambda contact: contact.gap, default=None)
     if contact is None:
         raise DoesNotFit(
             "no point of the track is nearest to the StartPose, but perhaps its end; give a longer track, a Chain with "

@@ -6,9 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cases import Chain, Impact, Mode, StartPose, Trajectory, Unilateral
+from cases import Impact, Mode, StartPose, Trajectory, Unilateral
 from cases.contact.geometry import level_parameter
+from cases.contact.overlap_search import depth_inside
 from cases.motion.trajectory import CONTACT
+from cases.scene.couples import curve_ends
 from cases.scene.free_plates import names_of, plates_of
 
 from ..endings import (
@@ -27,7 +29,6 @@ from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
 from .meetings import meetings
 from .next_motion import Consistent, NextMotions, next_motions
-from .penetration import corners_of, distance
 from .samples import CLOSE, MotionSamples, law_at
 from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP, TOUCHES
 from .touches import TouchNow, is_at_joint, plates_at, row_of, touch, touches_at
@@ -179,19 +180,18 @@ def _lift_off(samples: MotionSamples, scales: MotionScales, end: float) -> Itera
 
 
 def _curve_end(samples: MotionSamples, end: float, is_track: bool) -> Iterator[Defects]:
-    """A contact is at an end of its track or support, or else of its outline."""
+    """A contact is at an end of its track or support, or such an end on the plate; or else it is at one of its
+    outline."""
     step, far = len(samples.start) - 1, 1.0
     for contact in samples.contacts:
         row, law = row_of(contact, step), contact.law
         curve, places = (law.track, contact.xi1) if is_track else (law.outline, contact.xi2)
-        if row is None or curve.ends is None or law.base is not None:
-            continue
-        far = min(far, *(abs(places[row, -1] - e) / (curve.ends[1] - curve.ends[0]) for e in curve.ends))
-        corners = corners_of(law.outline)
-        if isinstance(law.outline, Chain) and corners is not None:  # a side that turned flat may reach it
-            plates, points = plates_at(samples, step, -1), curve.point(np.array(curve.ends))
-            own = (points[0] + 1j * points[1] - plates.place[law.body]) / plates.turn[law.body]
-            far = min(far, float(np.abs(distance(own, corners)).min()) / plates_of(samples.case)[law.body].reach)
+        if row is not None and curve.ends is not None and law.base is None:
+            far = min(far, *(abs(places[row, -1] - e) / (curve.ends[1] - curve.ends[0]) for e in curve.ends))
+    plates, ends = plates_at(samples, step, -1), curve_ends(samples.case) if is_track else ()
+    for one in ends:
+        own = (complex(one.corner.x, one.corner.y) - plates.place[one.body]) / plates.turn[one.body]
+        far = min(far, abs(depth_inside(one.plate.outline, own.real, own.imag)) / one.plate.reach)
     yield _one("track ends" if is_track else "outline ends", CONTACT, end, far, 1.0, "of its length", AT_END)
 
 

@@ -2,7 +2,7 @@
 
 A disc and a convex polygon are exact. The outline of another plate is a polygon inside it, so that what it reports is
 real. (An open outline encloses nothing.) The track is looked at from its left side only where it is a straight line;
-where it is curved, a part of it lies inside the plate.
+where it is curved, a part of it lies inside the plate, as does an end of it that the plate has passed.
 """
 
 from __future__ import annotations
@@ -93,17 +93,20 @@ def _in_curve(
             lowest = (np.multiply.outer(np.conj(line[1]) * one.turn, corners)).imag.min(axis=-1)
             yield Depth(pair, times, -height - lowest)
         return
-    if corners is None or near is None:
+    if corners is None:
+        return
+    for end in curve.point(np.array(curve.ends)).T if curve.ends else ():
+        own = (complex(*end) - one.place) * one.turn.conj()
+        if (np.abs(own) < plate.reach).any():
+            yield Depth(pair, times, -distance(own, corners) if plate.radius is None else plate.radius - np.abs(own))
+    if near is None:
         return
     rows = (one.place.real, one.place.imag, np.angle(one.turn), times)
     x, y, theta, when = (np.ravel(row) for row in rows)
-    for number in range(MEASURED + 1):
+    for _ in range(MEASURED):
         overlap = first_overlap(curve, plate.outline, x, y, theta, near) if len(x) else None
         if overlap is None:
             return
-        if not number and curve.ends is not None:  # the rest is looked at where no end is inside the plate
-            x, y, theta, when = (row[~_has_end(curve, corners, x, y, theta)] for row in (x, y, theta, when))
-            continue
         i, xi1 = overlap
         pose = float(x[i]), float(y[i]), float(theta[i])
         gaps = [one.gap for one in contacts(curve, plate.outline, *pose)]
@@ -114,16 +117,9 @@ def _in_curve(
         x, y, theta, when = (row[i + 1 :] for row in (x, y, theta, when))
 
 
-def _in_frame(curve: Curve, s: Any, x: Any, y: Any, theta: Any) -> Any:
+def _in_frame(curve: Curve, s: float, x: float, y: float, theta: float) -> complex:
     """A point of a curve in the frame of a plate, complex."""
-    point = curve.point(np.array([s]))
-    return (point[0, 0] + 1j * point[1, 0] - (x + 1j * y)) * np.exp(-1j * theta)
-
-
-def _has_end(curve: Curve, corners: np.ndarray, x: np.ndarray, y: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """In which poses an end of a curve is inside a plate: plates do not land on it, and what it passes into is no
-    overlap."""
-    return np.any([distance(_in_frame(curve, end, x, y, theta), corners) < 0.0 for end in curve.ends or ()], axis=0)
+    return complex((complex(*curve.point(s)) - (x + 1j * y)) * np.exp(-1j * theta))
 
 
 def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSamples]) -> np.ndarray | None:
@@ -139,11 +135,11 @@ def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSampl
     return plate.radius - distance((one.place - base.place) * base.turn.conj(), corners)
 
 
-def distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def distance(points: Any, corners: np.ndarray) -> np.ndarray:
     """The distance of points from a convex polygon, negative inside; complex. It vanishes on the sides of any other."""
     side = np.roll(corners, -1) - corners
     length = np.abs(side)
-    offset = (points[..., None] - corners) * (side.conj() / length)
+    offset = (np.asarray(points)[..., None] - corners) * (side.conj() / length)
     outside = -offset.imag
     nearest = np.abs(offset - np.clip(offset.real, 0.0, length)).min(axis=-1)
     inside = outside.max(axis=-1)

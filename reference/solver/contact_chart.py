@@ -43,7 +43,7 @@ from ..minimal.modes import (
 )
 from ..scales import EPS, IDLE, LOCATION_ERROR, ROUGH
 from .hops import NestedSeries
-from .meet import Meetings, until_meeting
+from .meet import Meetings, ending_at, until_meeting
 from .places import start_of
 from .plate_numbers import load_scale
 from .segment_view import SegmentView
@@ -146,9 +146,9 @@ class ContactChart:
         self.y = state_in(now, self.y)
         segment = self.integrate(now, self.t, self.y, self.whole.duration, self.rtol)
         step = after_contact(self.case, segment, self.y, max(self.rtol, LOCATION_ERROR))
-        departure = self._second_contact(step)
-        if departure is not None:
-            return departure
+        second = self._second_contact(step)
+        if second is not None:
+            return second
         if step.time == self.t and self.idle >= IDLE and step.regime not in (None, FLIGHT):
             step = self._decide_roughly(step)
         return self._go_on(step)
@@ -185,21 +185,25 @@ class ContactChart:
 
     # --- to poses -----------------------------------------------------------------------------------------------------
 
-    def _second_contact(self, step: Step) -> Departure | None:
-        """The departure at the first second contact in a step's segments, which are recorded up to there."""
+    def _second_contact(self, step: Step) -> Ending | Departure | None:
+        """The departure at the first second contact in a step's segments, which are recorded up to there, or how the
+        motion ends there, at an end of the track."""
         for i, segment in enumerate(step.segments):
             if self._is_alone_in(segment):
                 continue
             self.search = self.search or Meetings(self.whole)
             case, last = self.case, segment.event.time
             meeting = self.search.first(contact_view(case, self.pair, segment))
-            if meeting is None or (isinstance(case, PieceCase) and meeting.time >= last * (1.0 - END)):
-                continue  # at the end of an element the contact meets the next one
+            met = ending_at(meeting) if meeting else None
+            if meeting is None or ((met or isinstance(case, PieceCase)) and meeting.time >= last * (1.0 - END)):
+                continue  # at the end of an element the contact meets the next one, or comes to the track's end
             for earlier in step.segments[:i]:
                 self.segments.add(earlier)
             again = partial(self.integrate, segment.phase)
             cut = until_meeting(segment, meeting, again, self.rtol, lambda last: self._body_at(last)[0])
             self.segments.add(cut)
+            if met is not None:
+                return met
             xi1 = meeting.pair.to_whole(meeting.xi1, meeting.xi2)[0]
             return self._departure(cut, meeting, second_place(meeting.time, xi1))
         return None

@@ -15,8 +15,9 @@ from ..minimal.contact_end import ending_by
 from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import Segment
 from ..scales import LOCATION_ERROR, TOUCHES
+from .couple_search import AT_FLAT
 from .hops import NestedSeries
-from .meet import AT_FLAT, Meetings
+from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import couple_of, sides_of
 from .regimes import AT_END, ends_flat, is_flat_beyond

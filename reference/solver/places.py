@@ -22,6 +22,7 @@ from cases.curves.corner import Corner, Piece
 from cases.scene.couples import Couple
 from cases.scene.free_plates import plates_of, start_poses
 from cases.scene.piece_case import PieceCase
+from cases.scene.supports import TRACK
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.restitution import restitution
@@ -39,6 +40,13 @@ State = Sequence[float] | np.ndarray
 def couple_of(pair: PieceCase) -> Couple:
     """The couple of a plate and a boundary that a pair of elements belongs to."""
     return cast(Couple, pair.whole)
+
+
+def who_and_which(couple: Couple) -> tuple[str, str]:
+    """What sentences call the plate of a couple and what it may touch."""
+    name, _, base = couple.pair_name.partition("/")
+    who = f"The plate {name!r}" if couple.whole.others else "The plate"
+    return who, "its track" if base == TRACK else f"the {'support' if couple.base is None else 'plate'} {base!r}"
 
 
 def in_round(pair: PieceCase) -> tuple[int, int]:

@@ -35,7 +35,7 @@ from .accelerations import balance_of, first_loss, first_loss_in, is_steady, loo
 from .contact_chart import ContactChart, Departure, pair_in_couple
 from .hops import NestedSeries
 from .impact_ends import MAY_LAND
-from .meet import until_meeting
+from .meet import TIE, ending_at, until_meeting
 from .phase_events import PhaseEvents
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import rigid_pairs, size, speed
@@ -193,6 +193,9 @@ class PoseChart(PhaseEvents):
         meeting: ElementMeeting | None = None
         if not self._is_proven(segment):
             meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
+        is_event = segment.event.guard is not None
+        if is_event and meeting and ending_at(meeting) and meeting.time >= segment.event.time * (1.0 - TIE):
+            meeting = None  # a contact may come to that end, too
         over = self._lies_down(segment) if meeting is None or meeting.time > segment.event.time else None
         if over is not None:
             segment = segment.cut(over, None)
@@ -211,6 +214,8 @@ class PoseChart(PhaseEvents):
         self.still = rigid_pairs(regime.turns)
         stuck = {watch.name for watch in self.watches if watch.mode in STICKING}
         if meeting is not None:
+            if (ending := ending_at(meeting)) is not None:
+                return ending
             if self._corners_meet(segment, meeting):
                 return CORNERS_MEET
             if self.contact is not None and not self.touching:

@@ -55,22 +55,29 @@ def touching_contacts(
     poses = np.asarray(state[: len(state) // 2], dtype=float)
     least, deepest = part * size(case, state), max(part, OVERLAPS) * size(case, state)
     for couple in couples(case) if of is None else (couples(case)[of],):
-        x, y, theta = (float(v) for v in couple.relative_pose(poses))
-        places = list[np.ndarray]()
-        u, v, radius = circles_around(couple.track)
-        is_near = np.hypot(u - x, v - y) <= radius + 1.001 * couple.plate.reach
-        for pair in pairs_that_touch(couple):
-            if not is_near[pair.first.number]:
+        yield from touching_of(couple, poses, least, deepest)
+
+
+def touching_of(
+    couple: Couple, poses: np.ndarray, least: float, deepest: float
+) -> Iterator[tuple[PieceCase, tuple[float, float]]]:
+    """The same of one couple in poses of all plates, with gaps between −deepest and least (m)."""
+    x, y, theta = (float(v) for v in couple.relative_pose(poses))
+    places = list[np.ndarray]()
+    u, v, radius = circles_around(couple.track)
+    is_near = np.hypot(u - x, v - y) <= radius + 1.001 * couple.plate.reach
+    for pair in pairs_that_touch(couple):
+        if not is_near[pair.first.number]:
+            continue
+        for at in close_pairs(*cast(tuple[Piece, Piece], pair.pieces), (x, y, theta), least):
+            if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
                 continue
-            for at in close_pairs(*cast(tuple[Piece, Piece], pair.pieces), (x, y, theta), least):
-                if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
-                    continue
-                if clearance(*pair.pieces, at.xi1, at.xi2) < 0.0:  # the gap is a largest one, next to an inflection
-                    continue
-                where = place_on_track(pair, at.xi1)
-                if all(np.abs(where - one).max() > SAME_PLACE for one in places):
-                    places.append(where)
-                    yield pair, (at.xi1, at.xi2)
+            if clearance(*pair.pieces, at.xi1, at.xi2) < 0.0:  # the gap is a largest one, next to an inflection
+                continue
+            where = place_on_track(pair, at.xi1)
+            if all(np.abs(where - one).max() > SAME_PLACE for one in places):
+                places.append(where)
+                yield pair, (at.xi1, at.xi2)
 
 
 def contacts_at_start(case: Case, state: Sequence[float]) -> list[tuple[PieceCase, tuple[float, float]]]:

@@ -28,7 +28,17 @@ from ..minimal.bouncing import is_unresolved
 from ..scales import EPS, STILL, TOUCHES, speed_scale
 from .hops import NestedSeries, Strike
 from .impact import NoImpact, strike
-from .places import ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
+from .places import (
+    ContactPlace,
+    couple_of,
+    groups,
+    in_round,
+    place,
+    plates_in,
+    project,
+    who_and_which,
+    without_velocity,
+)
 from .plate_numbers import Sides, bodies, load_at, rows_of, size, speed
 from .regimes import LOST
 from .touching import SAME_PLACE, name_of, place_on_track
@@ -271,16 +281,13 @@ class WatchedPlates:
 
     def _no_impact(self, at: ContactPlace) -> Ending:
         couple = couple_of(at.pair)
-        name, _, support = couple.pair_name.partition("/")
-        who = f"The plate {name!r}" if self.case.others else "The plate"
-        which = (
-            f"the {'plate' if couple.base is not None else 'support'} {support!r}" if support != TRACK
-            else "its track" if self.case.others else "its track in a second place"
-        )  # fmt: skip
+        who, which = who_and_which(couple)
+        alone = not self.case.others and couple.pair_name.endswith(f"/{TRACK}")
         xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
         flew = all(watch.mode is Mode.FLIGHT for watch in self.watches)
-        if flew and not self.case.others and support == TRACK:
+        if flew and alone:
             return LANDING_END
+        which += " in a second place" * alone
         return no_impact_law(self.t, who, which, xi1, flew or bool(self.case.others))
 
     def _strike(

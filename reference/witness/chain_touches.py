@@ -49,7 +49,6 @@ class ChainTouches:
         corners = [element for element in case.track.elements if isinstance(element.piece, Corner)]
         self.corners = [element.middle + element.shift for element in corners]
         self.points = np.array([(e.piece.x, e.piece.y) for e in corners if isinstance(e.piece, Corner)]).T
-        self.passing = False  # a plate is not stopped by the ends of an open track, and overlaps it while it passes one
 
     def first(self, motion: Motion, ends: tuple[float, float], places: Places, closed: bool) -> Touch | None:
         """The first touch between two times away from contacts at `places`, if there is one; `closed`: whether one of
@@ -70,11 +69,11 @@ class ChainTouches:
             steps = min(ceil(fastest * (end - before) / way), MOST - count)
             after = before + (end - before) / steps if steps > 1 else end
             away, entry = self._inside(pose_at, after, places)
-            if entry is not None and not self.passing:
+            if entry is not None:
                 touch = self._touch(motion, pose_at, entry, (before, after), places)
                 if touch is not None:
                     return touch
-            before, count, self.passing = after, count + 1, entry is not None
+            before, count = after, count + 1
         return None
 
     def _inside(self, pose: Pose, t: float, places: Places) -> tuple[float, Contact | None]:

@@ -11,18 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from cases import Case, DoesNotFit
+from cases import Case, Curve, DoesNotFit
 from cases.curves.corner import Corner
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.contact_pairs import PairCase, pairs
+from cases.scene.couples import curve_ends
 from cases.scene.free_plates import plates_of
 from cases.scene.piece_case import PieceCase, pieces_at
 
 from .advancement import TooManyRounds
 from .chain_touches import ChainTouches
 from .complementarity import MOVES
-from .contacts import PairState, is_constant_at, is_watched_always, pair_at
+from .contacts import PairState, is_constant_at, is_watched_always, on_whole_curves, pair_at
 from .dips import Dips
+from .end_touches import SAME, EndTouches, first_end
 from .phase import CURVE_ENDS, OWN, SeveralContactPhase
 from .plate_motion import Motion
 from .plate_state import EPS, TOUCHES, PlateState, SimulationEnd
@@ -83,6 +85,7 @@ class PhaseIntegration(PlateState):
         elif not case.others:
             searched = [pair for pair in pairs(self.case) if not is_watched_always(pair)]
             self.searches = [Touches(pair, self.case.start.xi1) for pair in searched]
+        self.ends = [EndTouches(end) for end in curve_ends(self.case)]
         self.earlier: DenseStep | None = None
         self.work = WorkBudget()
 
@@ -341,6 +344,14 @@ class PhaseIntegration(PlateState):
                 raise SimulationEnd("unfinished") from None
             if touch is not None:
                 touches.append((touch.time, len(touches), touch, search.case))
+        until = min([end, *(one[0] for one in touches)])
+        new = [(one[3].track, one[2].xi1) for one in touches if one[0] == until]
+        places_at = partial(_curve_places, phase, dense, new)
+        met = first_end(self.ends, motion, (start, until), places_at) if self.ends and until > start else None
+        if met is not None:
+            time = self.polish(solver, dense, met[0], met[1].gap_in(phase.plates)) if met[0] > start else start
+            self.go_to(phase, time, solver.exactly(time) if time > start else dense(time))
+            raise SimulationEnd("track_end")
         if not touches:
             return False
         time, _, touch, case = min(touches)
@@ -381,3 +392,14 @@ def _places(phase: SeveralContactPhase, dense: States, some: Sequence[int], time
         result[:, :, i] = [phase.near[k] for k in some]
     phase.near = near
     return result
+
+
+def _curve_places(
+    phase: SeveralContactPhase, dense: States, new: Sequence[tuple[Curve, float]], t: float
+) -> list[tuple[Curve, float]]:
+    """The curves of the contacts that touch at a time of a step, with their parameters there, and of `new` ones."""
+    near, now = phase.near, phase.pairs(t, dense(t))
+    phase.near = near
+    some = [(c.case, p) for c, p in zip(phase.contacts, now, strict=True) if p.gap <= SAME * c.case.plate.reach]
+    places = [(case, on_whole_curves(case, (p.xi1, p.xi2))[0]) for case, p in some]
+    return [*((case.whole.track if isinstance(case, PieceCase) else case.track, xi1) for case, xi1 in places), *new]

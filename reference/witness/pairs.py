@@ -17,6 +17,8 @@ from .plate_motion import Motion
 # in roundings of a position.
 STEPS, FURTHEST, ENDS = 30, 0.25, 256.0
 EPS = 2.0**-52
+# A parameter beyond an end of a track by more than this is no rounding.
+AT_END = 1e-9
 
 
 class Touch(NamedTuple):
@@ -43,7 +45,7 @@ def in_round(case: Case, theta: float, xi1: float, xi2: float) -> float:
 
 def meeting(case: AnyPair, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
     """Newton's method for the time at which the gap of nearest points vanishes, whose rate is their velocity of lift,
-    and closes. None if it ends elsewhere."""
+    and closes. None if it ends elsewhere, or beyond an end of the track."""
     best: Touch | None = None
     smallest, (x0, y0) = inf, motion.bodies(np.array([time]))[:2, 0].tolist()
     for _ in range(STEPS):
@@ -62,4 +64,7 @@ def meeting(case: AnyPair, size: float, motion: Motion, time: float, xi1: float,
         if not pair.lift or not hypot(body[0] - x0, body[1] - y0) <= FURTHEST * size:
             break
         time -= pair.gap / pair.lift
+    ends = case.track.ends
+    if best is not None and ends and not ends[0] - AT_END <= best.xi1 <= ends[1] + AT_END:
+        return None
     return best if smallest <= ENDS * EPS * (size + abs(x0) + abs(y0)) else None
