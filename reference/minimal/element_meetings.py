@@ -7,7 +7,7 @@ track like a disc of radius zero; a corner of the track moves, as the plate sees
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import floor, pi
 from typing import NamedTuple, cast
 
@@ -44,7 +44,8 @@ class ElementSearch:
     """The search for first meetings of some pairs of elements of one plate and one boundary."""
 
     def __init__(self, pairs: Sequence[PieceCase]):
-        self.searches = [(pair, MeetingSearch(_geometry(pair), pair.weight / pair.plate.mass)) for pair in pairs]
+        ways = cache(Pieces), cache(ReversedPieces)  # a curve of many pairs is divided once
+        self.searches = [(pair, MeetingSearch(_geometry(pair, *ways), pair.weight / pair.plate.mass)) for pair in pairs]
 
     def first(
         self, poses: Poses, edges: np.ndarray, skipped: Collection[tuple[int, int]],
@@ -98,14 +99,16 @@ def _parameters(pair: PieceCase, meeting: Meeting, theta: float) -> tuple[float,
     return meeting.xi1, facing(pair, meeting.xi1, theta) if np.isnan(meeting.xi2) else meeting.xi2
 
 
-def _geometry(pair: PieceCase) -> Geometry:
-    """The curves of a pair's search."""
+def _geometry(
+    pair: PieceCase, forwards: Callable[[Curve], Pieces], backwards: Callable[[Curve], Pieces]
+) -> Geometry:
+    """The curves of a pair's search; `forwards`, `backwards`: the pieces of a curve."""
     (track, outline), plate = pair.pieces, pair.whole.plate
     if isinstance(track, Corner):
-        return Geometry(ReversedPieces(cast(Curve, outline)), None, 0.0, plate.reach)
+        return Geometry(backwards(cast(Curve, outline)), None, 0.0, plate.reach)
     if isinstance(outline, Corner):
-        return Geometry(Pieces(track), None, 0.0, plate.reach)
-    return Geometry(Pieces(track), Pieces(outline), plate.radius, plate.reach)
+        return Geometry(forwards(cast(Curve, track)), None, 0.0, plate.reach)
+    return Geometry(forwards(cast(Curve, track)), forwards(cast(Curve, outline)), plate.radius, plate.reach)
 
 
 def points_at(pose: np.ndarray, x: float, y: float) -> np.ndarray:

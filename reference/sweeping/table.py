@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 import pyarrow as pa
 
-from cases import BadValue, CaseError
+from cases import BadValue, CaseError, Mode
 
 from .batches import move
 from .motions import MODES, Motions, simulate_rows
@@ -17,7 +17,7 @@ from .plan import Plan
 from .scenario_values import RejectedScenario, ScenarioGroup, scenes, straight
 
 # Separates the modes of a sequence.
-ARROW = ">"
+ARROW, OF = ">", ": "
 # Outcomes without a motion: invalid parameters, and a scenario in which the solver failed.
 BAD, FAILED = "bad_case", "failed"
 
@@ -150,9 +150,15 @@ def _sequences(motions: Motions, n: int) -> np.ndarray:
     for i, first in enumerate(motions.first.tolist()):
         codes = ((first, ""), *changes[offsets[i] : offsets[i + 1]])
         if codes not in cache:
-            cache[codes] = ARROW.join(f"{name and f'{name}: '}{MODES[code]}" for code, name in codes if code >= 0)
+            cache[codes] = ARROW.join(f"{name and name + OF}{MODES[code]}" for code, name in codes if code >= 0)
         texts[i] = cache[codes]
     return texts
+
+
+def mode_of(phase: str) -> tuple[Mode, str]:
+    """The mode of a phase in a sequence, and the contact that has it ("" of a single one and at the start)."""
+    contact, _, mode = phase.rpartition(OF)
+    return Mode(mode), contact
 
 
 def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa.Array:
@@ -169,8 +175,8 @@ def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa
         except CaseError as problem:
             columns["reason"][i] += f" Not certified: {problem}"
             continue
-        modes = [str(after) for _, after, *_ in certificate.transitions]
-        if modes == sequence.split(ARROW)[1:]:
+        modes = [after for _, after, *_ in certificate.transitions]
+        if modes == [mode_of(phase)[0] for phase in sequence.split(ARROW)[1:]]:
             bars[-1] = [time.bar for _, _, time, _ in certificate.transitions]
         else:
             columns["reason"][i] += f" Not certified: the witnesses find {ARROW.join(modes) or 'no transition'}."

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 
 from cases import Mode
 from reference.sweeping import Plan
-from reference.sweeping.table import ARROW, BAD, FAILED
+from reference.sweeping.table import ARROW, BAD, FAILED, mode_of
 
 from ..drawing.colours import GRADES
 from ..drawing.figure_files import FigureEntry, file_kinds, save
@@ -58,11 +58,14 @@ class _MapData(NamedTuple):
 
 
 def kind(sequence: str, outcome: str) -> str:
-    """The kind of a motion in words: its first two phases."""
+    """The kind of a motion in words: its first two phases; of several contacts, with the one whose mode changes."""
     if outcome in (BAD, FAILED, "crashed", "timed_out") or not sequence:
         return {BAD: "no such scene"}.get(outcome, outcome.replace("_", " "))
-    verbs = [_VERBS[Mode(mode)] for mode in sequence.split(ARROW)[:2]]
-    return f"{verbs[0]}, then {verbs[1]}" if len(verbs) > 1 else f"{verbs[0]} throughout"
+    (first, _), *changes = map(mode_of, sequence.split(ARROW)[:2])
+    if not changes:
+        return f"{_VERBS[first]} throughout"
+    ((second, contact),) = changes
+    return f"{_VERBS[first]}, then {_VERBS[second]}{contact and f' ({contact})'}"
 
 
 def draw(
@@ -248,10 +251,10 @@ def _curve(plan: Plan, folder: Folder) -> Figure:
     xs, ys, modes = [], [], []
     for part in folder.rows(ROWS, ["scenario", name, "times", "sequence"]):
         for row in part.filter(np.asarray(part.column("scenario")) % step == 0).to_pylist():
-            for time, mode in zip(row["times"] or (), row["sequence"].split(ARROW)[1:], strict=True):
+            for time, change in zip(row["times"] or (), row["sequence"].split(ARROW)[1:], strict=True):
                 xs.append(row[name])
                 ys.append(time)
-                modes.append(mode)
+                modes.append(mode_of(change)[0])
     with plt.rc_context(STYLE):
         figure, ax = plt.subplots(figsize=(7.4, 4.2), layout="constrained")
         for colour, mode in zip(_COLOURS, sorted(set(modes)), strict=False):
@@ -262,7 +265,7 @@ def _curve(plan: Plan, folder: Folder) -> Figure:
                 ".",
                 markersize=2,
                 color=colour,
-                label=f"then it {_VERBS[Mode(mode)]}",
+                label=f"then it {_VERBS[mode]}",
             )
         if plan.axes[0].log:
             ax.set_xscale("log")

@@ -202,3 +202,15 @@ def test_every_effect_is_swept_and_the_trial_says_how(case, vary, one_by_one):
     name, _, values = vary.partition("=")
     tried = parts.pilot(SweepWork(plan(case, {name: values})))
     assert tried.one_by_one == one_by_one and not tried.no_scene and 0.0 < tried.seconds < 10.0
+
+
+@pytest.mark.parametrize("more", [["--vary", "slope=0.1:0.2:2"], []])
+def test_a_sweep_of_several_contacts_is_mapped_and_summed_up(more, tmp_path, monkeypatch, capsys, at_once):
+    """The phases of its sequences name their contacts."""
+    monkeypatch.chdir(tmp_path)
+    assert sweep.main(["sliding_box", "--vary", "mu=0.2:0.4:2", "--certify", *more]) == 0
+    said, rows = capsys.readouterr().out, rows_of(tmp_path / "sweep").to_pylist()
+    assert (tmp_path / "sweep" / "map.svg").exists() and "  slips forward, then rolls (plate/track" in said
+    changes = [row["sequence"].split(table.ARROW)[1:] for row in rows]
+    assert any(changes) and all(": " in change for one in changes for change in one)
+    assert [len(row["error_bars"]) for row in rows] == [len(one) for one in changes]
