@@ -34,6 +34,10 @@ def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config
         from reports.engine_tests import tests
 
         items += tests(session, config)
+    elif config.getoption("--case-file") and not items:
+        raise pytest.UsageError(
+            "--case-file has no test here: add --slip-to-roll-engine ENGINE, or run its acceptance tests in a clone"
+        )
 
 
 @pytest.hookimpl(trylast=True)

@@ -5,7 +5,8 @@
     slip-to-roll cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
                                                   happens
     slip-to-roll cases show CASE [mu=0.3 …]       a picture of scene and motion, facts, and which solvers can run it
-    slip-to-roll cases export CASE [mu=0.3 …]     the scene and its true transitions as JSON and CSV
+    slip-to-roll cases film CASE [mu=0.3 …]       an animation of the motion, GIF or MP4
+    slip-to-roll cases export CASE [mu=0.3 …]     the scene and its true motion as JSON and CSV
 
 CASE is NAME, "NAME[parameter=value,…]", FILE.py or FILE.py:FUNCTION, in every command of the suite.
 
@@ -59,10 +60,11 @@ def {name}(depth=0.3, mu=0.1, xi1=-1.0):
     """
     return Case(
         # The track, in metres: the plate lies on the left of increasing s. Use the functions of cases.curves,
-        # a ready-made curve of cases.library, or measured points: Curve.spline("points.csv", closed=False), a path
-        # that counts from this file.
+        # a ready-made curve of cases.library, pieces of cases.constructions, or measured points:
+        # Curve.spline("points.csv", closed=False), a path that counts from this file.
         track=Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3)),
-        # The plate: a disc, or Plate(outline, mass, inertia) with an outline about the centre of mass.
+        # The plate: a disc, a block(width, height, mass) that slides and does not turn, or Plate(outline, mass,
+        # inertia) with an outline about the centre of mass.
         plate=disc(radius=0.1, mass=1.0),
         # Leave out CoulombFriction for no friction, Unilateral for a bilateral guide.
         effects=(Gravity(9.81), CoulombFriction(mu), Unilateral()),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from cases.files.command_line import status
 
-from .drawing.figure_files import file_name
+from .drawing.figure_files import readable_name
 from .show import case_of, check_free
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def run(words: Sequence[str]) -> None:
     case, out, force, _ = case_of(
         COMMAND, words, "Write an animation of a case: GIF, or MP4 if ffmpeg is installed.", "out file"
     )
-    path = out or Path(f"{file_name(case.label)}.gif")
+    path = out or Path(f"{readable_name(case.label)}.gif")
     check_free(path, force)
     _film(case, path, force)
 

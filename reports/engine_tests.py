@@ -19,13 +19,13 @@ import pytest
 import adapters
 import cases
 from adapters import Setting
-from cases import BadValue, Case, CaseError, NotSupported, lookup
+from cases import BadValue, Case, CaseError, lookup
 from cases.errors import unknown_name
 
 from .judging.grades import LIMITS, Grade, is_within, summary
 from .judging.ledger import LedgerRow
 from .running.records import Run
-from .running.tasks import attempt, find_truth, measure
+from .running.tasks import attempt, find_truth, measure, survey
 
 # What an engine with friction has to get right, and a case for each: short motions with a kept truth.
 PHENOMENA = {
@@ -140,10 +140,12 @@ class EngineTest(pytest.Item):
         if check.route == "process":
             setting = Setting.of(h=float(self.config.getoption("--slip-to-roll-step")))
         else:
-            try:
-                setting = [*adapters.engine(check.engine).ladder(check.case, check.route)][-2:][0]
-            except NotSupported as problem:
-                pytest.skip(f"unsupported: {problem}")
+            (offer,) = (one for one in survey(check.case, check.engine) if one.route == check.route)
+            if offer.outcome == "unsupported":
+                pytest.skip(f"unsupported: {offer.reason}")
+            if offer.outcome or not offer.settings:
+                pytest.fail(f"{check.case.label}: {offer.reason or 'the ladder has no setting for it'}", pytrace=False)
+            setting = offer.settings[-2:][0]
         self.truth = truth = find_truth(check.case)
         if not truth.failure:
             return measure(check.case, check.engine, check.route, setting, 1, truth)

@@ -18,9 +18,9 @@ my_package.my_engine.
 
 Every law is checked on every route, with the second-finest setting of its ladder: kept, broken (and by how much),
 refused (not supported, and why), not reported (a law about forces, for an engine that reports none), failed with an
-exception, crashed or timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if no
-law is broken and none failed, else 1; 2 if there is no such adapter, route or law. A broken law names the parameter or
-effect that it suspects.
+exception, crashed or timed_out (it runs in a process of its own, whose output is not shown). Laws that are refused for
+the same reason have one line, after the others. The exit status is 0 if no law is broken and none failed, else 1; 2 if
+there is no such adapter, route or law. A broken law names the parameter or effect that it suspects.
 
 The scenes draw gravity, friction, restitution, masses, sizes, loads and starts at random; the same --seed gives the
 same scenes.
@@ -70,9 +70,16 @@ def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None,
             if route not in adapter.face.routes:
                 raise unknown_name(f"route of {adapter.face.name}", route, adapter.face.routes)
         for route in routes or adapter.face.routes:
+            refusals: dict[str, Counter[str]] = {}
             for law, outcome, reason in adapter.try_laws(route, selection, seed):
                 counts[outcome] += 1
-                print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
+                if outcome == "refused":
+                    refusals.setdefault(reason, Counter())[law.partition("[")[0]] += 1
+                else:
+                    print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
+            for reason, laws in refusals.items():
+                names = ", ".join(law + (f" ({scenes} scenes)" if scenes > 1 else "") for law, scenes in laws.items())
+                print(f"{route}  {names}: refused: {reason}")
     print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
     return 0 if counts.keys() <= {"kept", "refused", "not reported"} else 1
 

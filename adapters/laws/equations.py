@@ -31,6 +31,8 @@ from .scenes import MORE_SCENES, SCENES
 MOST_SAMPLES = 2000
 # Samples of stick before a beginning of slip counts as a breakaway.
 LASTING_STICK = 10
+# A value that fits and is less than this part of the case's is zero: what roundings leave of the integrals.
+NOTHING = 1e-9
 
 
 class ContactSamples(NamedTuple):
@@ -262,10 +264,13 @@ def suspicion(model: Mechanics, k: ContactSamples, threshold: float, scale: np.n
     if not fits or fits[0][0] > max(1.0, 0.05 * before):
         return "no single parameter explains it; check the geometry of track and plate, and what the columns contain"
     best = [fit for fit in fits if fit[0] <= 1.5 * fits[0][0] + 0.05]
-    return " or ".join(
-        f"{PARAMETERS[name][0]}: {value:.4g} would fit, the case has {getattr(model, name):.4g}"
-        for _, name, value in best
-    )
+    return " or ".join(_suspect(name, value, getattr(model, name)) for _, name, value in best)
+
+
+def _suspect(name: str, fit: float, has: float) -> str:
+    """A parameter in words, with the value that fits, zero if it is a rounding of the case's, and that of the case."""
+    fit = fit if abs(fit) > NOTHING * abs(has) else 0.0
+    return f"{PARAMETERS[name][0]}: {fit:.4g} would fit, the case has {has:.4g}"
 
 
 # The parameters by their names in `Mechanics`: in words, and whether a motion depends on them.

@@ -99,9 +99,7 @@ def _parameters(pair: PieceCase, meeting: Meeting, theta: float) -> tuple[float,
     return meeting.xi1, facing(pair, meeting.xi1, theta) if np.isnan(meeting.xi2) else meeting.xi2
 
 
-def _geometry(
-    pair: PieceCase, forwards: Callable[[Curve], Pieces], backwards: Callable[[Curve], Pieces]
-) -> Geometry:
+def _geometry(pair: PieceCase, forwards: Callable[[Curve], Pieces], backwards: Callable[[Curve], Pieces]) -> Geometry:
     """The curves of a pair's search; `forwards`, `backwards`: the pieces of a curve."""
     (track, outline), plate = pair.pieces, pair.whole.plate
     if isinstance(track, Corner):

@@ -35,8 +35,13 @@ def file_name(label: str) -> str:
 
     The digest makes names unique, also on file systems that ignore upper and lower case.
     """
+    return f"{readable_name(label)}_{short_digest(label)}"
+
+
+def readable_name(label: str) -> str:
+    """The allowed characters of a label, as many as a file's name may have."""
     readable = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("._")
-    return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{short_digest(label)}"
+    return readable.encode()[:_READABLE_BYTES].decode(errors="ignore")
 
 
 def short_digest(label: str) -> str:

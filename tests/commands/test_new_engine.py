@@ -93,10 +93,11 @@ TORQUE = "omega + push * r / inertia"
 def test_a_wrong_one_is_told_which_law_and_by_how_much_and_which_it_does_not_support(tmp_path, capsys):
     assert TORQUE in (text := STARTER.read_text())
     (tmp_path / "theirs.py").write_text(text.replace(TORQUE, "omega + 0.9 * push * r / inertia"))
-    assert main([str(tmp_path / "theirs.py"), "--law", "friction_torque", "lift_off"]) == 1
+    assert main([str(tmp_path / "theirs.py"), "--law", "friction_torque", "rates_of_pose", "lift_off"]) == 1
     output = capsys.readouterr().out
-    assert "native  lift_off: refused: my_engine has discs on" in output
-    assert output.endswith("my_engine: 1 broken, 1 refused\n")
+    # Those that are refused for the same reason have one line.
+    assert "\nnative  rates_of_pose (3 scenes), lift_off: refused: my_engine has discs on" in output
+    assert output.endswith("my_engine: 4 refused, 1 broken\n")
     assert "friction_torque: broken: friction torque: the spin of a sliding disc is off by" in output
 
 

@@ -79,6 +79,17 @@ def test_an_engine_that_supports_no_case_is_not_green(project):
     assert status == 1 and "7 skipped" in out and "my_engine supports none of the cases that were run" in out, out
 
 
+def test_what_an_adapter_refuses_is_skipped(project):
+    """It was run all the same, and failed or crashed."""
+    status, out = project("--slip-to-roll-engine", "pymunk", "-k", "cone_holds or rolling_resistance")
+    assert status == 0 and "2 passed, 2 skipped" in out and "unsupported: " in out, out
+
+
+def test_a_case_file_without_an_engine_says_what_is_missing(project):
+    status, out = project("--case-file=my_slopes.py")
+    assert status == 4 and "add --slip-to-roll-engine ENGINE" in out, out
+
+
 # The truth of these tests' process is taken away: what is then said of an engine that answers, and of one that refuses.
 NO_TRUTH = """
 import pytest

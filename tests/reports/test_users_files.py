@@ -19,7 +19,7 @@ from cases.files.command_line import status
 from cases.files.owned_folder import LIST
 from cases.pictures import animation
 from reports import animate, build, deposit, export, options, publish, show, study, sweep
-from reports.drawing.figure_files import FigureEntry, file_name
+from reports.drawing.figure_files import FigureEntry, readable_name
 from reports.page import pictures
 
 from . import test_publish
@@ -89,7 +89,7 @@ NAMES = [
     "error_parts.csv", "sweep.json", "map.svg", "map.png", "rows/part-000000000000.parquet", "rows/mine",
     "boundary.parquet", "film.gif", "scene.json", "motion.csv", "disc_on_line.png", "my_valley.py", "report/notes.txt",
     "report/index.html", ".gitignore", ".slip-to-roll", ".slip-to-roll/notes.txt", "constraints.txt", "thesis.tex",
-    f"run-{64 * '0'}.npz", "results.zip", ".unfinished-a", ".report.mine.partial", f"{file_name(CASE)}.gif", LIST,
+    f"run-{64 * '0'}.npz", "results.zip", ".unfinished-a", ".report.mine.partial", f"{readable_name(CASE)}.gif", LIST,
 ]  # fmt: skip
 
 

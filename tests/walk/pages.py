@@ -58,6 +58,7 @@ class Page:
 
 
 CLONE = "it needs a clone; .ci/run and .ci/nightly make it there"
+IN_A_COPY = "test_walk.py runs the page from top to bottom in a copy of the sources"
 NODES = "it needs machines that answer to these names; tests/reports/test_sweep_cluster.py has them on loopback"
 WHOLE = "a whole default report takes minutes; --quick goes the same way"
 OF_A_RELEASE = "it changes the sources, at a release"
@@ -126,7 +127,7 @@ WALK = {
                 (r"^my_valley\[mu=0\.3\]$", r"begins: roll", r"reference: runs it", r"picture: my_valley\.png"),
                 ("my_valley.png",),
             ),
-            Step("slip-to-roll cases film my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
+            Step("slip-to-roll cases film my_valley", (r"s of animation.*: my_valley\.gif$",), ("my_valley.gif",)),
             ACCEPTED,
             Step(
                 "slip-to-roll report --case-file my_valley.py",
@@ -348,8 +349,8 @@ WALK = {
     ),
     "tutorial.md": Page(
         (
-            Left("python3 -m venv .venv && . .venv/bin/activate", "the environment of the walk is active"),
-            Left('pip install -e ".[taylor]"', "the walk installs the wheel"),
+            Left("python3 -m venv .venv && . .venv/bin/activate", IN_A_COPY),
+            Left('pip install -e ".[taylor]"', IN_A_COPY),
         )
     ),
     "truth.md": Page((Left("python -m reference", OF_A_RELEASE),)),

@@ -1,4 +1,4 @@
-"""Scripts of four new users, and records of what the terminal printed, in `newcomers/`.
+"""Scripts of new users, and records of what the terminal printed, in `newcomers/`.
 
 `python -m tests.walk.replay ENVIRONMENT` runs them with the wheel that is installed there and writes the records again.
 Read every sentence of a record before you commit it.
@@ -10,12 +10,15 @@ import re
 import resource
 import shutil
 import sys
+import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
-from .installed import Environment
+from .installed import ROOT, Environment
 
 FOLDER = Path(__file__).parent / "newcomers"
+STARTER = ROOT / "starter"
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.sh"))
 # What differs from run to run or between machines, and what stands for it in a record.
 VOLATILE = (
@@ -23,7 +26,7 @@ VOLATILE = (
     (r"^[^:$\n]+: \S+ (?:s|ms|µs) of CPU time per scenario.*\n", ""),  # the pace of a sweep
     (r"\d+(?:\.\d+)? s, \d+(?:\.\d+)? s of CPU time", "# s, # s of CPU time"),
     (r"\(since [^)]*\)", "(since #)"),
-    (r"skipped in .*", "skipped in #"),
+    (r"(passed|skipped|ran) in .*", r"\1 in #"),
     (r"\b\d+ kB", "# kB"),
     (r"\b[\d.]+e-1\d\b", "#"),  # rounding errors
 )
@@ -35,27 +38,39 @@ def lines_of(name: str, folder: Path = FOLDER) -> list[str]:
     return [line for line in lines if line[:1] not in ("", "#")]
 
 
-def run(name: str, environment: Environment, desk: Path, folder: Path = FOLDER) -> tuple[str, float]:
-    """Run a script of a folder in an empty one that has only its own files; returns the record, and the CPU seconds
-    until its first result."""
-    for file in folder.iterdir():
-        if file.suffix not in (".sh", ".txt") and file.name in (folder / f"{name}.sh").read_text(encoding="utf-8"):
+class Times(NamedTuple):
+    """Seconds of CPU and of wall time."""
+
+    cpu: float
+    wall: float
+
+
+def run(name: str, environment: Environment, desk: Path, folder: Path = FOLDER) -> tuple[str, Times, Times]:
+    """Run a script of a folder in an empty one that has only the files that it names, of its own and of the starter;
+    returns the record, and the times until its first result and of all its commands."""
+    text = (folder / f"{name}.sh").read_text(encoding="utf-8")
+    for file in (*folder.iterdir(), *STARTER.iterdir()):
+        if file.suffix not in (".sh", ".txt") and re.search(rf"\b{re.escape(file.name)}\b", text):
             shutil.copy(file, desk)
-    parts, first = [], 0.0
-    began = _cpu()
+    parts, first = [], Times(0.0, 0.0)
+    began = _now()
     for line in lines_of(name, folder):
         command, mark, _ = line.partition("  # first result")
         done = environment.run(command, desk, {"COLUMNS": "80"})
         status = f"[exit status {done.returncode}]\n" if done.returncode else ""
         parts.append(f"$ {command}\n{done.stdout}{done.stderr}{status}")
         if mark:
-            first = _cpu() - began
-    return _steady("\n".join(parts), desk), first
+            first = _since(began)
+    return _steady("\n".join(parts), desk), first, _since(began)
 
 
-def _cpu() -> float:
+def _now() -> Times:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    return Times(used.ru_utime + used.ru_stime, time.monotonic())
+
+
+def _since(began: Times) -> Times:
+    return Times(*(end - start for end, start in zip(_now(), began, strict=True)))
 
 
 def _steady(text: str, desk: Path) -> str:
@@ -71,9 +86,10 @@ def main(folder: str, *names: str) -> None:
     environment = Environment.existing(Path(folder).resolve())
     for name in names or SCRIPTS:
         with TemporaryDirectory() as desk:
-            record, first = run(name, environment, Path(desk))
+            record, *times = run(name, environment, Path(desk))
         (FOLDER / f"{name}.txt").write_text(record, encoding="utf-8")
-        print(f"{name}: first result after {first:.0f} s of CPU time; read newcomers/{name}.txt", flush=True)
+        first, whole = (f"{each.cpu:.0f} s of CPU time, {each.wall:.0f} s" for each in times)
+        print(f"{name}: first result after {first}; all after {whole}; read newcomers/{name}.txt", flush=True)
 
 
 if __name__ == "__main__":

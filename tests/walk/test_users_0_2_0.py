@@ -205,7 +205,7 @@ def test_an_exported_motion_is_still_true(label, archive):
 
 
 # Contacts of plates with corners are read from poses now: CHANGELOG.
-CHANGED = {"scene.several_contacts was False and is True"}
+CHANGED_KEYS = {"scene.several_contacts was False and is True"}
 
 
 @pytest.mark.parametrize("label", EXPORTS)
@@ -214,7 +214,7 @@ def test_a_scene_has_every_key_and_number_that_it_had(label, archive, tmp_path):
     export.export(cases.load(label), tmp_path, points=POINTS)
     before, after = ((folder / "scene.json") for folder in (archive / "exported" / label, tmp_path))
     lost = set(differences(json.loads(before.read_text()), json.loads(after.read_text())))
-    assert lost <= CHANGED, "\n".join(lost)
+    assert lost <= CHANGED_KEYS, "\n".join(lost)
     for name in ("track.csv", "outline.csv"):
         texts = ((folder / name).read_text().splitlines() for folder in (archive / "exported" / label, tmp_path))
         assert len({(rows[0], len(rows)) for rows in texts}) == 1
@@ -267,10 +267,10 @@ def test_a_page_of_0_2_0_is_walked(name, environment, archive, tmp_path):  # noq
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", replay.SCRIPTS)
+@pytest.mark.parametrize("name", ["ci", "engine", "lecture", "paper"])
 def test_a_script_of_0_2_0_runs(name, environment, archive, tmp_path):  # noqa: F811
     """Each command with the exit status that its record has, or that of a change."""
-    record, _ = replay.run(name, environment, tmp_path, archive / "newcomers")
+    record, *_ = replay.run(name, environment, tmp_path, archive / "newcomers")
     before = (archive / "newcomers" / f"{name}.txt").read_text(encoding="utf-8")
     kept = [re.findall(r"^\$ .*|^\[exit status .*", text, flags=re.M) for text in (record, before)]
     status, expected = CHANGED.get(name, {}), list[str]()

@@ -17,7 +17,7 @@ import pytest
 
 import cases
 
-from .installed import ROOMS, ROOT, Environment, wheel
+from .installed import CONSTRAINTS, ROOMS, ROOT, Environment, wheel
 from .pages import PAGES, WALK, Left, Page, Step, commands
 
 # What a room holds beside code.
@@ -145,16 +145,38 @@ def test_every_module_and_every_data_file_is_in_the_wheel():
     assert here <= set(zipfile.ZipFile(wheel()).namelist())
 
 
-@pytest.mark.slow
-def test_the_source_distribution_holds_the_tests_too(tmp_path):
-    """What `git` knows of, but for files of the forge and of editors."""
+def copy_sources(folder: Path) -> set[str]:
+    """Copy what `git` knows of, but for files of the forge and of editors; returns the names."""
     output = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     if output.returncode:
         pytest.skip("this is no clone")
     known = {name for name in output.stdout.splitlines() if not name.startswith((".git", ".pre-commit"))}
     for name in known:
-        (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, tmp_path / "source" / name)
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, folder / name)
+    return known
+
+
+@pytest.mark.slow
+def test_the_tutorial_is_followed_from_top_to_bottom(tmp_path):
+    """Its commands and its code, in a copy of the sources with an environment of its own."""
+    copy_sources(tmp_path)
+    (page,) = [path for path in PAGES if path.name == "tutorial.md"]
+    code = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
+    (tmp_path / "tutorial.py").write_text("\n".join(code), encoding="utf-8")
+    # The versions that were tried together, as `make` installs them.
+    more = {"PIP_CONSTRAINT": str(CONSTRAINTS), "PIP_QUIET": "1", "PIP_NO_COMPILE": "1"}
+    script = f"set -e\n{block('tutorial.md', 'sh')}python tutorial.py"
+    output = Environment.existing(Path(sys.prefix)).run(script, tmp_path, more)
+    assert output.returncode == 0, output.stderr
+    for text in ("slides forward for 0.63 s, then rolls", "0.1 slides forward", "good"):
+        assert text in output.stdout
+    assert (tmp_path / ".venv").is_dir() and (tmp_path / "mine.csv").is_file()
+
+
+@pytest.mark.slow
+def test_the_source_distribution_holds_the_tests_too(tmp_path):
+    known = copy_sources(tmp_path / "source")
     build = f"from setuptools import build_meta; print(build_meta.build_sdist({str(tmp_path)!r}))"
     subprocess.run([sys.executable, "-c", build], cwd=tmp_path / "source", check=True, capture_output=True)
     (archive,) = tmp_path.glob("*.tar.gz")
