@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import nan
+from functools import lru_cache
+from itertools import groupby
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,10 @@ from .laws_check.touches import masses, plates_at
 
 # Impulses whose combination changes no velocity by more than this part of the largest are not unique.
 NOT_UNIQUE = 1e-9
+# Times of a motion's transition and of its impact differ by less than this part of its duration.
+SAME_TIME = 1e-9
+# Normal velocities below this part of the closing speed are none: an impulse is known to it.
+STILL = 0.01
 
 
 class _TouchingPlates(NamedTuple):
@@ -54,19 +60,80 @@ def impacts_of_samples(
     """The impulses of a sampled motion in the impacts of the true one, in the order of `impacts(case, truth)`.
 
     `time_of` maps the time of a true impact to that of the motion's (s), NaN where it has none. Velocities are those of
-    the last sample before and the first one after it, continued to it under gravity and loads: forces of contacts that
-    go on there count as impulses. NaN where they are not known, and on a track that moves.
+    the last sample before the impact and the first one after it, continued to it under gravity and loads: forces of
+    contacts that go on there count as impulses. An impact of finite duration has samples inside it. NaN where
+    velocities are not known, and on a track that moves. A motion that has its impulses keeps them.
     """
-    mass, results = masses(case)[0], list[ContactImpulse]()
-    for impact in _impacts(case, truth, 1e-10):
-        time = time_of(impact.time)
-        i, j = int(np.searchsorted(motion.t, time)) - 1, int(np.searchsorted(motion.t, time, side="right"))
-        if case.effect(Drive) is None and 0 <= i and j < len(motion.t):
-            before, after = (_rates(motion, k) + (time - motion.t[k]) * _accelerations(case, motion, k) for k in (i, j))
-            results += _impulses(impact._replace(time=time, before=before, after=after), mass)
-        else:
-            results += [ContactImpulse(time, name, nan, nan, nan) for name in impact.contacts]
+    if motion.impulses is not None:
+        return tuple(_nearest(motion, one._replace(time=time_of(one.time))) for one in truth.impacts)
+    at_once = [list(group) for _, group in groupby(_impacts_of_truth(case, truth), lambda impact: impact.time)]
+    mass, samples, results = masses(case)[0], _PlateSamples.of(motion), list[ContactImpulse]()
+    times = [time_of(impacts[0].time) for impacts in at_once]
+    for impacts, time in zip(at_once, times, strict=True):
+        span = max([-inf, *(t for t in times if t < time)]), min([inf, *(t for t in times if t > time)])
+        ends = samples.beside(case, impacts, time, span) if case.effect(Drive) is None else None
+        if ends is None:
+            results += [ContactImpulse(time, name, nan, nan, nan) for one in impacts for name in one.contacts]
+            continue
+        before, after = (samples.rates[:, k] + (time - motion.t[k]) * _accelerations(case, motion, k) for k in ends)
+        for one in impacts:
+            results += _impulses(one._replace(time=time, before=before, after=after), mass)
     return tuple(results)
+
+
+def _nearest(motion: Trajectory, one: ContactImpulse) -> ContactImpulse:
+    """What the contact does in the motion's own impact at that time; NaN if it has none."""
+    none = ContactImpulse(one.time, one.contact, nan, nan, nan)
+    here = (own for own in motion.impacts if own.contact == one.contact)
+    own = min(here, key=lambda own: abs(own.time - one.time), default=none)
+    return own if abs(own.time - one.time) <= SAME_TIME * float(motion.t[-1]) else none
+
+
+class _PlateSamples(NamedTuple):
+    """Samples of a motion: their times (T,), s; velocities of all plates (3 n, T); whether a sample is neither contact
+    nor flight, as some are inside an impact (T,); and by contact whether it is closed (T,)."""
+
+    t: np.ndarray
+    rates: np.ndarray
+    unknown: np.ndarray
+    closed: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, motion: Trajectory) -> _PlateSamples:
+        plates = [motion.plate(name) for name in motion.plate_names]
+        rates = np.array([getattr(plate, name) for plate in plates for name in ("vx", "vy", "omega")])
+        is_alone = len(motion.contact_names) == 1
+        unknown = is_alone & np.isnan(motion.xi1) & np.isnan(motion.normal_force)
+        closed = {name: np.isfinite(of.slip) for name, of in motion.contacts.items()}
+        return cls(motion.t, rates, unknown, closed)
+
+    def beside(
+        self, case: Case, impacts: list[_TouchingPlates], time: float, span: tuple[float, float]
+    ) -> tuple[int, int] | None:
+        """The last sample before the impacts of a time and the first one after them, within `span` (s), between the
+        times of the impacts beside them; None if there are none.
+
+        Before it a contact closes; inside it one still closes, moves and is shut, or is accelerated, by more than
+        `STILL` of the closing speed and, where gravity is balanced, what that would make meanwhile.
+        """
+        pull = np.tile([*gravity(case), 0.0], len(self.rates) // 3)
+        across, open_ = np.vstack([one.rows[::2] for one in impacts]), np.zeros(len(self.t), bool)
+        speeds = across @ (self.rates + np.outer(pull, time - self.t))
+        closing = -float((across @ impacts[0].before).min())
+        shut = np.array([self.closed.get(name, open_) for one in impacts for name in one.contacts])
+        least = STILL * closing + shut * np.hypot(*gravity(case)) * np.abs(self.t - time)
+        inside, closes = self.unknown | (shut & (np.abs(speeds) > least)).any(axis=0), (speeds < -least).any(axis=0)
+        steps = STILL * closing + 2.0 * np.hypot(*gravity(case)) * np.diff(self.t)
+        inside[:-1] |= (self.t[:-1] > time) & (np.abs(np.diff(speeds)) > steps).any(axis=0)
+        before = np.flatnonzero((self.t > span[0]) & (self.t < time) & ~inside & closes)
+        after = np.flatnonzero((self.t > time) & (self.t < span[1]) & ~inside & ~closes)
+        return (int(before[-1]), int(after[0])) if len(before) and len(after) else None
+
+
+@lru_cache(maxsize=4)
+def _impacts_of_truth(case: Case, truth: Trajectory) -> tuple[_TouchingPlates, ...]:
+    """Cached, as all motions of a case are compared with one truth."""
+    return tuple(_impacts(case, truth, 1e-10))
 
 
 def _impacts(case: Case, motion: Trajectory, rtol: float) -> Iterator[_TouchingPlates]:
@@ -96,12 +163,6 @@ def _impulses(impact: _TouchingPlates, mass: np.ndarray) -> list[ContactImpulse]
     work = (values * mean).sum(axis=1)
     both = zip(impact.contacts, values.tolist(), work.tolist(), strict=True)
     return [ContactImpulse(impact.time, name, normal, friction, of_both) for name, (normal, friction), of_both in both]
-
-
-def _rates(motion: Trajectory, i: int) -> np.ndarray:
-    """The velocities of all plates at a sample, (3 n,)."""
-    plates = [motion.plate(name) for name in motion.plate_names]
-    return np.array([getattr(plate, name)[i] for plate in plates for name in ("vx", "vy", "omega")])
 
 
 def _accelerations(case: Case, motion: Trajectory, i: int) -> np.ndarray:

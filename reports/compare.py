@@ -40,8 +40,6 @@ IMPACT_COLUMNS = (
 )  # fmt: skip
 # Impacts that are listed; the text gives the number of the others.
 MOST_IMPACTS = 12
-# Times of a transition and of its impact differ by less than this part of the motion's duration: by error bars.
-SAME_TIME = 1e-9
 
 
 def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
@@ -56,17 +54,15 @@ def judgement(case: Case, path: str | Path, creep: float = 0.0) -> dict[str, Any
     """The judgement of a file's motion as numbers and texts in SI units, of which `compare` makes its text."""
     from .running import external_motions
     from .running.tasks import find_truth
-    from .running.true_motions import true_motion
 
     try:
         external = external_motions.read(Path(path).name, case, Path(path), creep=creep)
     except DoesNotFit as problem:
         raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, path)])) from problem
-    truth = find_truth(case)
-    run = external_motions.judge_motion(external, 1, truth)
+    run = external_motions.judge_motion(external, 1, find_truth(case))
     if run.score is None:
         raise DoesNotFit(run.reason)
-    return _facts(case, external.motion, run, true_motion(case, truth.method))
+    return _facts(case, external.motion, run)
 
 
 def _probable_mistakes(case: Case, path: str | Path) -> list[str]:
@@ -81,7 +77,7 @@ def _probable_mistakes(case: Case, path: str | Path) -> list[str]:
     return [] if truth.failure else mistakes(case, columns, true_motion(case, truth.method))
 
 
-def _facts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> dict[str, Any]:
+def _facts(case: Case, motion: Trajectory, run: Run) -> dict[str, Any]:
     from adapters.common.motion_file import least_gap
     from cases.motion.mechanics import energy
 
@@ -113,7 +109,7 @@ def _facts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> dict[s
             }
             for r in run.ledger
         ],
-        "impacts": _impacts(case, motion, run, true),
+        "impacts": [row._asdict() for row in run.impulses],
         "distance": run.distance._asdict(),
         "energy": {
             "at the start (J)": float(total[0]),
@@ -125,27 +121,6 @@ def _facts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> dict[s
         "creep": run.score.creep,
         "creep_declared": motion.slip_resolution,
     }
-
-
-def _impacts(case: Case, motion: Trajectory, run: Run, true: Trajectory) -> list[dict[str, Any]]:
-    """The impulses of each contact in each impact of the truth, and those of the file from the velocities in it."""
-    from reference.impulses import impacts_of_samples
-
-    from .judging.doubts import are_differences
-
-    times = {r.reference_time: r.time for r in run.ledger if isfinite(r.reference_time)}
-    is_known = not are_differences(motion)  # differences of poses have both sides of an impact in them
-
-    def time_of(exact: float) -> float:
-        near = min(times, key=lambda t: abs(t - exact), default=nan)
-        return times[near] if is_known and abs(near - exact) <= SAME_TIME * float(true.t[-1]) else nan
-
-    rows = []
-    for exact, own in zip(true.impacts, impacts_of_samples(case, true, motion, time_of), strict=True):
-        values = {name: getattr(own, name) for name in ("normal", "friction", "work")}
-        rows.append({**{f"reference_{name}": getattr(exact, name) for name in values}, **values})
-        rows[-1] = {"contact": exact.contact, "reference_time": exact.time, "time": own.time, **rows[-1]}
-    return rows
 
 
 def _text(facts: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..judging.impacts import ImpulseRow
 from ..running.records import Experiment
 from . import convergence, levels, tables, time_to_accuracy, verdict, which_engine, work_precision
 from .work_precision import CostMeasurements
@@ -107,6 +108,11 @@ TABLES = {
         "Impacts next to the truth's: restitution with one contact, swings and the time of rest with several",
         lambda results: tables.impact_rows(results.shown),
         _IMPACT_COLUMNS,
+    ),
+    "impulses": TableSource(
+        "Impulses and work of each contact in each impact of the truth, and those of every run",
+        lambda results: tables.impulse_rows(results.shown),
+        (*_RUN, *ImpulseRow._fields),
     ),
     "trajectories": TableSource(
         "Every run: outcome, grade, score and reason, distance from the truth, cost",

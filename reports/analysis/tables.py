@@ -103,6 +103,11 @@ def impact_rows(experiment: Experiment) -> list[dict[str, Any]]:
     ]
 
 
+def impulse_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per contact in each impact of the truth: its impulses and their work, and those of the run."""
+    return [{**run_keys(run), **row._asdict()} for run in experiment.runs for row in run.impulses]
+
+
 def _reading_doubts(run: Run) -> dict[int, float]:
     """The doubt of each of the solver's own transitions by its place in the ledger."""
     own = [place for place, row in enumerate(run.ledger) if isfinite(row.time)]

@@ -1,11 +1,12 @@
-"""What a plate does at impacts and between them: how fast it rebounds, how far it turns, and when it comes to rest.
+"""What a plate does at impacts and between them: how fast it rebounds, by which impulses, how far it turns, and when it
+comes to rest.
 
 Pure functions; SI units.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import pairwise, zip_longest
 from math import isfinite, nan
@@ -20,11 +21,14 @@ from cases.contact.nearest import nearest
 from cases.motion import mechanics
 from cases.motion.mechanics import kinetic_energy
 from cases.scene.free_plates import POSE
+from reference.impulses import impacts_of_samples
 
 from . import doubts
 from .distances import even_samples, states_of
 from .ledger import LedgerRow
 
+# Times of a transition and of its impact differ by less than this part of the motion's duration: by error bars.
+_SAME_TIME = 1e-9
 # A plate is at rest once its kinetic energy stays below this part of its largest: it has lost 99 % of its speed.
 _AT_REST = 1e-4
 
@@ -49,7 +53,7 @@ class ImpactRow(NamedTuple):
 def rows(case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequence[LedgerRow]) -> tuple[ImpactRow, ...]:
     """The impacts of a motion next to the truth's of the same number at that contact, and the times of rest if either
     comes to rest; `ledger_rows`: their transitions."""
-    landings = _in_order(ledger_rows)
+    landings = _in_order(row for row in ledger_rows if row.after is not Mode.FLIGHT)
     own = _swings(motion, [time for _, time, _ in landings])
     true = _swings(truth, [exact for *_, exact in landings])
     rests = rest_time(case, motion), rest_time(case, truth)
@@ -59,12 +63,12 @@ def rows(case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequenc
     return tuple(result)
 
 
-def _in_order(ledger_rows: Sequence[LedgerRow]) -> list[tuple[str, float, float]]:
-    """Contact, time and the truth's time (s) of each impact in order: the nth at a contact with the truth's nth there.
+def _in_order(ledger_rows: Iterable[LedgerRow]) -> list[tuple[str, float, float]]:
+    """Contact, time and the truth's time (s) of each landing in order: the nth at a contact with the truth's nth there.
 
     A solver that loses too much in each impact has few: the nearest in time to its fifth may be the truth's seventh,
     which follows another swing."""
-    landings = [row for row in ledger_rows if row.before is Mode.FLIGHT and row.after is not Mode.FLIGHT]
+    landings = [row for row in ledger_rows if row.before is Mode.FLIGHT]
     result = list[tuple[str, float, float]]()
     for contact in dict.fromkeys(row.contact for row in landings):
         here = [row for row in landings if row.contact == contact]
@@ -72,6 +76,43 @@ def _in_order(ledger_rows: Sequence[LedgerRow]) -> list[tuple[str, float, float]
         true = sorted(row.reference_time for row in here if isfinite(row.reference_time))
         result += [(contact, time, exact) for time, exact in zip_longest(own, true, fillvalue=nan)]
     return sorted(result, key=lambda one: one[2] if isfinite(one[2]) else one[1])
+
+
+class ImpulseRow(NamedTuple):
+    """What a contact does in an impact of the truth, and in that impact of a motion: times in s, impulses along normal
+    and tangent in N s, work in J. NaN where the motion does not have the impact, where its velocities beside it are not
+    known, or where velocities do not determine the impulse."""
+
+    contact: str
+    time: float
+    reference_time: float
+    normal: float
+    reference_normal: float
+    friction: float
+    reference_friction: float
+    work: float
+    reference_work: float
+
+
+def impulses(
+    case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequence[LedgerRow]
+) -> tuple[ImpulseRow, ...]:
+    """The impulses of each contact in each impact of the truth, in the order of their times, next to a motion's.
+    `ledger_rows`: their transitions; the nth landing at a contact is that of the truth's nth."""
+    times = {row.reference_time: row.time for row in ledger_rows if row.pairing == "paired"}
+    times |= {exact: time for _, time, exact in _in_order(ledger_rows) if isfinite(time)}
+
+    def time_of(exact: float) -> float:
+        near = min(times, key=lambda t: abs(t - exact), default=nan)
+        return times[near] if abs(near - exact) <= _SAME_TIME * float(truth.t[-1]) else nan
+
+    # Differences of poses have both sides of an impact in them.
+    are_known = not all(doubts.are_differences(motion.plate(name)) for name in motion.plate_names)
+    own = impacts_of_samples(case, truth, motion, time_of if are_known else lambda _: nan)
+    return tuple(
+        ImpulseRow(true.contact, a.time, true.time, a.normal, true.normal, a.friction, true.friction, a.work, true.work)
+        for a, true in zip(own, truth.impacts, strict=True)
+    )
 
 
 def _swings(motion: Trajectory, times: Sequence[float]) -> dict[float, float]:

@@ -14,7 +14,7 @@ from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
 from ..judging.grades import LIMITS, Grade, is_within
-from ..judging.impacts import ImpactRow
+from ..judging.impacts import ImpactRow, ImpulseRow
 from ..judging.law_error import LawError
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
@@ -96,7 +96,8 @@ class Run:
     friction × and law error (NaN where they are not known), and as `reason` what the grade is due to; any other has why
     there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
     `off` (solver minus truth) is for figures, thinned; `spreads` (s) are the reading doubts of the solver's
-    transitions; `impacts` those on the track, or on several contacts; `residuals` are those of hard scenes. `when`:
+    transitions; `impacts` those on the track, or on several contacts, and `impulses` what each contact does in them;
+    `residuals` are those of hard scenes. `when`:
     time of the run, since CPU times vary from day to day.
     """
 
@@ -121,6 +122,7 @@ class Run:
     grade: str = ""
     sequence: str = ""
     impacts: tuple[ImpactRow, ...] = ()
+    impulses: tuple[ImpulseRow, ...] = ()
     refusal: str = ""
     residuals: Residuals = Residuals()
 

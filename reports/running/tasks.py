@@ -314,6 +314,7 @@ def judge(
         grade=str(grades.grade(total.off, total.doubt)),
         sequence=grades.sequence_note(total, scale),
         impacts=rows,
+        impulses=impacts.impulses(case, trajectory, motion, judgement.ledger) if impact else (),
         distance=distance,
         off={name: _thin(values) for name, values in off.items()},
     )

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import cases
 import reference
 from adapters import Setting
-from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Load, Start, Trajectory, Unilateral, disc
+from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Load, Mode, Start, Trajectory, Unilateral, disc
 from cases.library import line
 from reports.judging import impacts
+from reports.judging.ledger import LedgerRow
 from reports.running.records import Run
 from reports.running.tasks import find_truth, judge
 from reports.running.true_motions import true_motion
@@ -54,3 +56,39 @@ def test_rows_have_the_restitution_of_both(name):
     assert first.closing == pytest.approx(first.reference_closing, rel=1e-3)
     assert (first.restitution, first.reference_restitution) == pytest.approx((0.5, LAW), rel=2e-3)
     assert [one.event for one in run.impacts] == list(range(1, len(run.impacts) + 1))
+    assert [one.reference_normal for one in run.impulses] == [one.normal for one in motion.impacts]
+    hit = run.impulses[0]
+    if name == "drive":  # no velocities against the track
+        assert np.isnan(hit.normal)
+    else:
+        # Closing at the same speed, impulses are as 1 + e; samples are 0.2 ms apart.
+        assert hit.normal / hit.reference_normal == pytest.approx(1.5 / (1.0 + LAW), rel=2e-3)
+        assert hit.friction == pytest.approx(-0.3 * hit.normal, rel=2e-3) or hit.friction == pytest.approx(
+            hit.reference_friction, rel=2e-3
+        )
+
+
+def test_an_impact_whose_landing_has_another_mode_has_its_impulses():
+    """A slip of 6 µs that only the solver has after the landing is no other landing."""
+    case = cases.load("disc_onto_incline")
+    motion = reference.simulate(case)
+    (exact,) = motion.impacts
+    t = np.linspace(0.0, motion.t[-1], 4001)
+    events = [
+        LedgerRow(1, Mode.FLIGHT, Mode.ROLL, np.nan, exact.time, np.nan, "unresolved"),
+        LedgerRow(1, Mode.FLIGHT, Mode.SLIP_FORWARD, exact.time, np.nan, np.nan, "unresolved"),
+    ]
+    (own,) = impacts.impulses(case, Trajectory(t=t, **motion(t)._asdict()), motion, events)
+    assert own.normal == pytest.approx(exact.normal, rel=1e-2)
+    (none,) = impacts.impulses(case, Trajectory(t=t, **motion(t)._asdict()), motion, events[:1])
+    assert np.isnan(none.normal) and none.reference_normal == exact.normal
+
+
+def test_the_reference_has_its_own_impulses():
+    case = cases.load("bouncing_disc")
+    truth = find_truth(case)
+    motion, coarse = true_motion(case, truth.method), reference.simulate(case, rtol=1e-6)
+    run = judge(Run(case.label, "one", "", Setting.of(), 0, outcome=""), case, coarse, motion, truth)
+    own, listed = [one.normal for one in run.impulses], [e for e in coarse.transitions if e.cause == "impact"]
+    # The last impact of a spell of bouncing is no transition.
+    assert own[: len(listed)] == [one.normal for one in coarse.impacts[: len(listed)]] and len(listed) > 8

@@ -1,7 +1,9 @@
-// The tables of one case, from the files inside the page: its engines, its transitions and its impacts.
+// The tables of one case, from the files inside the page: its engines, its transitions, its impacts and their impulses.
+// Impacts whose impulses are listed.
+const MOST_IMPACTS = 12;
 suite.ofCase = async (place) => {
   const label = place.dataset.case, of = async (name) => ((await suite.rows(name)) ?? []).filter((row) => row.case === label);
-  const [all, truth, transitions, impacts] = await Promise.all(["headline", "truth", "transitions", "impacts"].map(of));
+  const [all, truth, transitions, impacts, impulses] = await Promise.all(["headline", "truth", "transitions", "impacts", "impulses"].map(of));
   const engines = all.filter((row) => row.route && row.solver !== "reference");
   const power = (value) => (+value === 0 ? "0" : (+value).toExponential(1).replace("e+", "e")), signed = (value) => `${value < 0 ? "" : "+"}${power(value)}`;
 
@@ -58,18 +60,31 @@ suite.ofCase = async (place) => {
   const spurious = engines.map((engine, i) => [engine, own[i].filter((row) => row.pairing === "spurious").length]).filter(([, many]) => many);
   if (spurious.length) place.appendChild(Object.assign(document.createElement("p"), { className: "cue", textContent: `More transitions than the truth has: ${spurious.map(([{ solver, route }, many]) => `${solver} ${route} ${many}`).join(", ")}.` }));
 
-  // An impact by its time and contact; the time of rest has no contact, and is last.
-  const several = impacts.filter((row) => (row.contact || row.event === "0") && row.reference_time !== "");
-  const key = (row) => `${row.event === "0"} ${row.reference_time} ${row.contact}`, mine = engines.map((engine) => fine(several, engine));
-  const true_ = [...new Map(mine.flat().map((row) => [key(row), row])).values()].sort((a, b) => (a.event === "0") - (b.event === "0") || a.reference_time - b.reference_time);
+  // An impact by its time and contact; the time of rest has no contact, and is last. Rows of the truth, and each engine's at the finest setting.
+  const key = (row) => `${row.event === "0"} ${row.reference_time} ${row.contact}`;
+  const ofTruth = (rows) => [...new Map(rows.filter((row) => row.reference_time !== "").map((row) => [key(row), row])).values()].sort((a, b) => (a.event === "0") - (b.event === "0") || a.reference_time - b.reference_time);
+  const same = (rows, row) => rows.find((found) => key(found) === key(row));
+  const digits = (value, count = 4) => value && String(+(+value).toPrecision(count));
+  const several = impacts.filter((row) => row.contact || row.event === "0"), mine = engines.map((engine) => fine(several, engine));
   add("impacts", [
     { title: "impact", tip: "at rest: the kinetic energy stays below 1e-4 of its largest" }, { title: "at", unit: "s", number: true, tip: "time of the truth" }, { title: "swing", unit: "rad", number: true, tip: "largest turn of the plate before the next impact" },
     ...engines.flatMap((engine) => [each("s", "time minus that of the truth, at the finest setting run")(engine), each("rad", "swing minus that of the truth", "swing")(engine)]),
-  ], true_.map((row) => ({ cells: [
-    row.event === "0" ? "at rest" : `impact at ${row.contact}`, String(+(+row.reference_time).toPrecision(6)), row.reference_swing && String(+(+row.reference_swing).toPrecision(4)),
+  ], ofTruth(mine.flat()).map((row) => ({ cells: [
+    row.event === "0" ? "at rest" : `impact at ${row.contact}`, digits(row.reference_time, 6), digits(row.reference_swing),
     ...mine.flatMap((rows) => {
-      const one = rows.find((found) => key(found) === key(row)), swing = one && one.swing !== "" && one.reference_swing !== "" ? signed(one.swing - one.reference_swing) : "";
+      const one = same(rows, row), swing = one && one.swing !== "" && one.reference_swing !== "" ? signed(one.swing - one.reference_swing) : "";
       return one && one.error !== "" ? [signed(one.error), swing] : ["–", ""];
     }),
   ] })));
+
+  // Impulses of the truth and of each engine, those that velocities determine.
+  const hits = engines.map((engine) => fine(impulses, engine));
+  // Roundings of the largest one are zero.
+  const largest = Math.max(0, ...hits.flat().map((row) => Math.abs(row.reference_normal)));
+  const impulse = (value) => (value === "" ? "–" : Math.abs(value) < 1e-9 * largest ? "0" : digits(value, 3));
+  const pair = (row, which = "") => (!row || row[`${which}normal`] === "" ? "–" : `${impulse(row[`${which}normal`])}, ${impulse(row[`${which}friction`])}`);
+  add("impulses", [
+    { title: "impulses at" }, { title: "at", unit: "s", number: true, tip: "time of the truth" }, { title: "truth", unit: "N s", number: true, tip: "along normal and tangent; –: not unique" },
+    ...engines.map(each("N s", "at the finest setting run, from its velocities; –: not known")),
+  ], ofTruth(hits.flat()).slice(0, MOST_IMPACTS).map((row) => ({ cells: [row.contact, digits(row.reference_time, 6), pair(row, "reference_"), ...hits.map((rows) => pair(same(rows, row)))] })));
 };
