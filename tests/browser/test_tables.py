@@ -8,6 +8,10 @@ from fractions import Fraction
 
 import pytest
 
+import cases
+from reports import build
+from reports.page.chapters import anchor
+
 from .conftest import CASES
 from .reading import DISC, LINE, table_of
 
@@ -166,3 +170,22 @@ def test_cases_are_found_by_a_word_and_shown_one_at_a_time(shared_page):
     shown.locator("a").click()
     assert page.locator("article:visible h3").first.inner_text() == CASES[1]
     page.wait_for_selector(f"{LINE} .player[data-time]")
+
+
+def test_a_case_with_impacts_has_the_impulses_of_truth_and_engines(chromium, in_process, tmp_path):
+    """Thrown at a floor, e = 0.8: 1.8 times the closing momentum, and no friction where it rolls by then."""
+    name = "rebound_with_spin[e=0.8]"
+    argv = ["--quick", "--case", name, "--solver", "reference", "pymunk", "--out", str(tmp_path / "a")]
+    with in_process():
+        assert build.main([*argv, "--store", str(tmp_path / "store")]) == 0
+    page, place = chromium.new_page(), f"#{anchor(cases.load(name).label)}"
+    page.goto((tmp_path / "a" / "index.html").as_uri() + place)
+    table = page.locator(f"{place} table[data-name=impulses]")
+    table.wait_for()
+    heads = table.locator("thead th").all_inner_texts()
+    rows = [row.locator("td").all_inner_texts() for row in table.locator("tbody tr").all()]
+    true = table_of(tmp_path / "a" / "index.html", "impulses")[:2]
+    assert [row[2] for row in rows] == [f"{float(true[0]['reference_normal']):.3g}, -1.33", "6.38, 0"]
+    column = next(i for i, head in enumerate(heads) if head.split()[:2] == ["pymunk", "native"])
+    assert float(rows[0][column].split(",")[0]) == pytest.approx(float(true[0]["reference_normal"]), rel=0.02)
+    page.close()
