@@ -6,10 +6,10 @@ sliding contact lifts off a little (its manual, "Computation", contact), and fri
 semi-implicit Euler; the ladder has its Runge-Kutta method of fourth order, which converges in a circle where Euler does
 not. Poses and velocities are at the same times, as after `mj_step`.
 
-No step makes two errors smaller. A contact is a spring and a damper that do not pull: with the damping ratio z = 1 (the
-second number of `solref`, the default and the ladder's) an inelastic landing leaves with exp(-2) = 13.5 % of its speed,
-with z > 1 with exp(-z/s ln((z + s)/(z - s))), s^2 = z^2 - 1. And where a plate slides at v on a contact that pushes
-little, the convex cone lifts it off with up to mu v.
+No step makes two errors smaller. A contact is a spring and a damper that do not pull: what lands at v leaves it at e v,
+see `damping_ratio`. A damping ratio of 1, the default and the ladder's where impacts have no restitution, leaves
+exp(-2) = 13.5 % of the speed. And where a plate slides at v on a contact that pushes little, the convex cone lifts it
+off with up to mu v.
 
 A belt is `surfacevel` of the geoms of the track or of a support (from 3.11 on), set in each step: a velocity along a
 plane or a box, in the geom's frame, and a rotation of a sphere's surface. A driven track is a heavy body whose place
@@ -18,6 +18,7 @@ and velocities are set in each step.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from itertools import combinations
@@ -48,11 +49,37 @@ scene = plane.read_scene(
         *("Supports", "FreePlates"),
     ),
     must_turn=False,
+    rebounds=True,
 )
 _, h = plane.steps(scene)
 drive = plane.drive_steps(scene, h)
 effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
 mu = plane.coefficient(effects, ROUGH)
+
+
+def damping_ratio(e: float) -> float:
+    """The damping ratio z of a contact with the restitution e, 0 < e <= 1; 1 for e = 0.
+
+    A body on a spring and a damper, with the frequency w and s^2 = |1 - z^2|, is free where they stop pushing, at
+    w s t = 2 arccos z (z < 1; 2 arccosh z for z > 1). Its speed there is e = exp(-2 (z/s) arccos z) of that before,
+    which falls from 1 at z = 0 over exp(-2) at z = 1.
+    """
+    if e == 0.0:
+        return 1.0
+    low, high = 0.0, 1.0
+    while restitution_of(high) > e:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if restitution_of(middle) > e else (low, middle)
+    return low
+
+
+def restitution_of(z: float) -> float:
+    """The restitution of a contact with the damping ratio z > 0."""
+    s = math.sqrt(abs(1.0 - z * z))
+    angle = math.acos(z) if z < 1.0 else math.acosh(z)
+    return math.exp(-2.0 * (z / s * angle if s > 0.0 else 1.0))
 
 
 def part(whole: ElementTree.Element, name: str) -> ElementTree.Element:
@@ -111,9 +138,10 @@ def run_surface(geoms: list[ElementTree.Element], of_effects, unit: np.ndarray) 
     belts.append((names, plane.formula(str(of_effects["Belt"]["speed"])), unit))
 
 
+solid_geoms = [(add_solid(solid), solid) for solid in plane.solids(scene)]
 surfaces_of: dict[int, tuple[list[ElementTree.Element], plane.Solid]] = {}
-for solid in plane.solids(scene):
-    surfaces_of.setdefault(id(solid.effects), ([], solid))[0].append(add_solid(solid))
+for geom, solid in solid_geoms:
+    surfaces_of.setdefault(id(solid.effects), ([], solid))[0].append(geom)
 for geoms, solid in surfaces_of.values():
     run_surface(geoms, solid.effects, np.array([0, 0, 0, 0, 0, -1 / solid.size]) if solid.kind == "disc" else FLAT)
 if drive:
@@ -134,15 +162,35 @@ for own in plates:
     if geom.get("type") == "cylinder":
         geom.attrib.update(type="sphere", size=repr(own.radius))
 pairs = ElementTree.SubElement(root, "contact")
-for one, other in combinations([own.name for own in plates], 2):
-    # A pair has numbers of its own: friction along both tangents, then the moments of 3D contacts.
-    ElementTree.SubElement(
-        pairs, "pair", geom1=one, geom2=other, friction=f"{mu} {mu} 0 0 0", condim="3" if mu else "1"
+
+
+def add_pair(one: str, other: str, own: float, e: float) -> None:
+    """Add the contact of two geoms, with a friction coefficient and a restitution.
+
+    A pair has numbers of its own: friction along both tangents, then the moments of 3D contacts; and a spring and a
+    damper along the tangents that are not those along the normal, of which a restitution of 1 has no damper.
+    """
+    pair = ElementTree.SubElement(
+        pairs, "pair", geom1=one, geom2=other, friction=f"{own} {own} 0 0 0", condim="3" if own else "1"
     )
+    if e > 0.0:
+        stiffness = timeconst**-2
+        pair.set("solref", f"{-stiffness!r} {-2.0 * damping_ratio(e) * math.sqrt(stiffness)!r}")
+        pair.set("solreffriction", f"{timeconst!r} 1")
+
+
+# Twice the step is the stiffest value that the engine considers safe; 0.02 s its default.
+timeconst = scene["setting"].get("timeconst", 2) * h if is_tuned else 0.02
+for one, other in combinations([own.name for own in plates], 2):
+    add_pair(one, other, mu, plane.restitution(effects))
+for number, (geom, solid) in enumerate(solid_geoms):
+    if (e := plane.restitution(solid.effects)) > 0.0:
+        geom.set("name", geom.get("name", f"solid {number}"))
+        for own in plates:
+            add_pair(own.name, geom.attrib["name"], plane.coefficient(solid.effects, ROUGH), e)
 for geom in (*root.iter("geom"), *pairs):
     if is_tuned:
-        # Twice the step is the stiffest value that the engine considers safe.
-        geom.set("solref", f"{scene['setting'].get('timeconst', 2) * h!r} 1")
+        geom.set("solref", geom.get("solref", f"{timeconst!r} 1"))
         geom.set("solimp", "0.9999 0.9999 0.001 0.5 2")
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
@@ -214,5 +262,7 @@ def step(number: int) -> None:
     mujoco.mj_step(model, data)
 
 
-from_poses, belt = bool(drive) or "Supports" in effects, surfaces[-1][1] if surfaces else None
+# Inside a rebound the slip changes from step to step.
+from_poses = bool(drive) or "Supports" in effects or plane.restitution(effects) > 0.0
+belt = surfaces[-1][1] if surfaces else None
 plane.write_motion(scene, states, step, touches, creep, plane.MIDDLE, from_poses, belt)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3 -P
 """Siconos (Debian's python3-siconos): a disc on any track, by Moreau's and Jean's time stepping.
 
-Its law is the suite's: a set-valued contact with Coulomb's cone, Newton's restitution zero, and no softness, so a
-sticking contact does not creep. The engine has no curves: gap and slip of the contact are linear relations of the
+Its law is the suite's: a set-valued contact with Coulomb's cone, Newton's restitution, and no softness, so a sticking
+contact does not creep. The engine has no curves: gap and slip of the contact are linear relations of the
 coordinates that a user gives (LagrangianLinearTIR), here of the tangent plane. Moreau's step applies it to the velocity
 at the step's end and moves the plate by the mean of the velocities at both ends (theta = 1/2); so the plane is that of
 the predicted pose at the step's end, and the gap drifts with h^2. With the plane of the step's beginning it drifts with
@@ -43,7 +43,9 @@ CLOSED = 1e-9
 MOST_ITERATIONS = 20
 
 scene = plane.read_scene(
-    "Siconos", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Supports")
+    "Siconos",
+    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Supports"),
+    rebounds=True,
 )
 radius, mass, inertia = (scene["plate"][name] for name in ("radius", "mass", "inertia"))
 start, effects, (_, h) = scene["start"], scene["effects"], plane.steps(scene)
@@ -120,7 +122,8 @@ class DiscContact:
         # Rows: the normal and the tangential direction; the gap is their first component plus the first offset.
         self.directions, self.offset = np.zeros((2, 3)), np.zeros(2)
         self.relation = kernel.LagrangianLinearTIR(self.directions, self.offset)
-        self.law = kernel.NewtonImpactFrictionNSL(0.0, 0.0, plane.coefficient(effects, ROUGH), 2)
+        e, mu = plane.restitution(effects), plane.coefficient(effects, ROUGH)
+        self.law = kernel.NewtonImpactFrictionNSL(e, 0.0, mu, 2)
         self.interaction = kernel.Interaction(self.law, self.relation)
         model.link(self.interaction, plate)
 

@@ -99,7 +99,7 @@ def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine, pool):
 
 # The greatest and least v_n after an impact over that before, with e = 0.8 and h = 0.2 ms, are within this of e: of the
 # gap's change in a step; cannon-es's contacts are soft, and matter-js takes what its displacement was a step before.
-OFF_RESTITUTION = {"planck": 2e-3, "rapier": 2e-3, "jolt": 2e-3, "dartpy": 2e-3, "cannon": 0.05}
+OFF_RESTITUTION = {"planck": 2e-3, "rapier": 2e-3, "jolt": 2e-3, "dartpy": 2e-3, "cannon": 0.05, "siconos": 2e-3}
 
 
 @pytest.mark.parametrize("engine", sorted(OFF_RESTITUTION), indirect=True)
@@ -111,6 +111,18 @@ def test_a_disc_rebounds_by_newtons_restitution(engine):
     first = int(np.argmax(np.diff(heights) > 0.0))
     rates = np.diff(heights) / 2e-4
     assert -rates[first + 2] / rates[first - 2] == pytest.approx(0.8, abs=OFF_RESTITUTION[engine])
+
+
+@pytest.mark.parametrize("e", [0.3, 0.8])
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_a_spring_and_a_damper_that_do_not_pull_have_the_restitution_of_their_ratio(engine, e):
+    """Without friction. The first step in contact finds an overlap of up to v h, in a spring with k = 1/(2 h)^2: at most a
+    quarter of the energy more, and 12 % of the speed."""
+    case, adapter = cases.load("rebound_with_spin", e=e, mu=0.0), lookup.engine(engine)
+    model = adapter.build(case, "process", Setting.of(h=2e-4))
+    adapter.run(model)
+    rates = np.asarray(adapter.read(model).vy)
+    assert -rates.max() / rates[: int(rates.argmax())].min() == pytest.approx(e, rel=0.12)
 
 
 @pytest.mark.parametrize("engine", ["cannon", "matter"], indirect=True)
