@@ -190,7 +190,8 @@ for number, (geom, solid) in enumerate(solid_geoms):
             add_pair(own.name, geom.attrib["name"], plane.coefficient(solid.effects, ROUGH), e)
 for geom in (*root.iter("geom"), *pairs):
     if is_tuned:
-        geom.set("solref", geom.get("solref", f"{timeconst!r} 1"))
+        if "solreffriction" not in geom.attrib:
+            geom.set("solref", f"{timeconst!r} 1")
         geom.set("solimp", "0.9999 0.9999 0.001 0.5 2")
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))

@@ -116,8 +116,8 @@ def test_a_disc_rebounds_by_newtons_restitution(engine):
 @pytest.mark.parametrize("e", [0.3, 0.8])
 @pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
 def test_a_spring_and_a_damper_that_do_not_pull_have_the_restitution_of_their_ratio(engine, e):
-    """Without friction. The first step in contact finds an overlap of up to v h, in a spring with k = 1/(2 h)^2: at most a
-    quarter of the energy more, and 12 % of the speed."""
+    """Without friction. The first step in contact finds an overlap of up to v h, in a spring with k = 1/(2 h)^2: at
+    most a quarter of the energy more, and 12 % of the speed."""
     case, adapter = cases.load("rebound_with_spin", e=e, mu=0.0), lookup.engine(engine)
     model = adapter.build(case, "process", Setting.of(h=2e-4))
     adapter.run(model)
