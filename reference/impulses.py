@@ -95,17 +95,17 @@ class _PlateSamples(NamedTuple):
 
     t: np.ndarray
     rates: np.ndarray
-    unknown: np.ndarray
-    closed: dict[str, np.ndarray]
+    blank: np.ndarray
+    closures: dict[str, np.ndarray]
 
     @classmethod
     def of(cls, motion: Trajectory) -> _PlateSamples:
         plates = [motion.plate(name) for name in motion.plate_names]
         rates = np.array([getattr(plate, name) for plate in plates for name in ("vx", "vy", "omega")])
         is_alone = len(motion.contact_names) == 1
-        unknown = is_alone & np.isnan(motion.xi1) & np.isnan(motion.normal_force)
-        closed = {name: np.isfinite(of.slip) for name, of in motion.contacts.items()}
-        return cls(motion.t, rates, unknown, closed)
+        blank = is_alone & np.isnan(motion.xi1) & np.isnan(motion.normal_force)
+        closures = {name: np.isfinite(of.slip) for name, of in motion.contacts.items()}
+        return cls(motion.t, rates, blank, closures)
 
     def beside(
         self, case: Case, impacts: list[_TouchingPlates], time: float, span: tuple[float, float]
@@ -120,9 +120,9 @@ class _PlateSamples(NamedTuple):
         across, open_ = np.vstack([one.rows[::2] for one in impacts]), np.zeros(len(self.t), bool)
         speeds = across @ (self.rates + np.outer(pull, time - self.t))
         closing = -float((across @ impacts[0].before).min())
-        shut = np.array([self.closed.get(name, open_) for one in impacts for name in one.contacts])
+        shut = np.array([self.closures.get(name, open_) for one in impacts for name in one.contacts])
         least = STILL * closing + shut * np.hypot(*gravity(case)) * np.abs(self.t - time)
-        inside, closes = self.unknown | (shut & (np.abs(speeds) > least)).any(axis=0), (speeds < -least).any(axis=0)
+        inside, closes = self.blank | (shut & (np.abs(speeds) > least)).any(axis=0), (speeds < -least).any(axis=0)
         steps = STILL * closing + 2.0 * np.hypot(*gravity(case)) * np.diff(self.t)
         inside[:-1] |= (self.t[:-1] > time) & (np.abs(np.diff(speeds)) > steps).any(axis=0)
         before = np.flatnonzero((self.t > span[0]) & (self.t < time) & ~inside & closes)

@@ -107,8 +107,8 @@ def impulses(
         return times[near] if abs(near - exact) <= _SAME_TIME * float(truth.t[-1]) else nan
 
     # Differences of poses have both sides of an impact in them.
-    are_known = not all(doubts.are_differences(motion.plate(name)) for name in motion.plate_names)
-    own = impacts_of_samples(case, truth, motion, time_of if are_known else lambda _: nan)
+    has_velocities = not all(doubts.are_differences(motion.plate(name)) for name in motion.plate_names)
+    own = impacts_of_samples(case, truth, motion, time_of if has_velocities else lambda _: nan)
     return tuple(
         ImpulseRow(true.contact, a.time, true.time, a.normal, true.normal, a.friction, true.friction, a.work, true.work)
         for a, true in zip(own, truth.impacts, strict=True)
