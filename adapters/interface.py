@@ -91,6 +91,8 @@ WORDS = {
     "supports": "further fixed curves (`Case.supports`)",
     "belts and supports": "belts as well as supports",
     "fixed rotation and supports": "plates that do not turn as well as supports",
+    "any shape": "several plates, or plates on supports, of any outline on any curve",
+    "pairs": "effects of a pair of bodies (`Case.pairs`)",
     "driven contacts": "a driven track (`Drive`) with corners, with supports that move with it, or several contacts",
     "every scene": "whatever a case may have",
 }
@@ -177,14 +179,13 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
 
     several, supports, impact = bool(case.others), bool(case.supports), case.effect(Impact)
     drives, belts, packaged = case.effect(Drive) is not None, has_belt(case), bool(own_effects(case.effects))
-    yield case.pairs, "none", "effects of a pair of bodies (pairs)"
+    yield case.pairs, "pairs", "effects of a pair of bodies (pairs)"
     yield has_slip_law(case), "slip laws", "friction that depends on the slip velocity"
     if several:
         yield True, "several plates", "several plates (others)"
-        polygons = any(plate.radius is None for plate in plates_of(case))
-        yield polygons, "free polygons", "several plates unless all of them are discs"
-        reason = why_not_closed_forms(case)
-        yield reason, "none", f"several plates but discs and one convex polygon on straight lines: {reason}"
+        reason, polygons = why_not_closed_forms(case), any(plate.radius is None for plate in plates_of(case))
+        yield polygons and not reason, "free polygons", "several plates unless all of them are discs"
+        yield reason, "any shape", f"several plates but discs and one convex polygon on straight lines: {reason}"
         yield any(loads_of(case)), "none", "a load with several plates"
         yield belts, "none", "a belt with several plates"
         yield drives, "none", "a driven track with several plates"
@@ -197,7 +198,7 @@ def _needs(case: Case) -> Iterator[tuple[object, str, str]]:
         yield True, "supports", "several fixed curves (supports)"
         newton = impact is not None and impact.law == "newton" and belts
         no_form = not several and (limit(case, Scope.SHAPES) or newton)
-        yield no_form, "none", "this pair of outline and support: their contacts have no closed form"
+        yield no_form, "any shape", "this pair of outline and support: their contacts have no closed form"
         held = not case.plate.turns
         yield held, "fixed rotation and supports", "a plate that does not turn on several fixed curves (supports)"
         yield belts, "belts and supports", "belts together with several fixed curves (supports)"

@@ -35,7 +35,7 @@ def to_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
         return motion
     fixed = in_fixed_frame(case, motion)
     columns: dict[str, Any] = {name: np.asarray(getattr(fixed, name)) for name in State._fields}
-    return replace(motion, **columns)
+    return replace(motion, **columns, plate_columns=fixed.plate_columns)
 
 
 def by_track(case: Case, motion: Trajectory, complete: Callable[[Case, Trajectory], Trajectory]) -> Trajectory:
@@ -73,11 +73,14 @@ class PrescribedSteps:
 
 
 def rows_from_track(case: Case, rows: np.ndarray, poses_at: np.ndarray, velocities_at: np.ndarray) -> np.ndarray:
-    """Rows (x, y, theta, vx, vy, omega) as the track sees them, shape (n, 6).
+    """Rows (x, y, theta, vx, vy, omega) as the track sees them, shape (n, 6), or (n, plates, 6) of several plates.
 
     Poses and velocities may be of different times (s), as an engine's are. The velocity of a frame that turns needs the
     place too, which is that of the pose, moved by the velocity until the velocity's time.
     """
+    if rows.ndim == 3:
+        each = [rows_from_track(case, own, poses_at, velocities_at) for own in rows.transpose(1, 0, 2)]
+        return np.array(each).transpose(1, 0, 2)
     x, y, theta, vx, vy, omega = rows.T
     at = track_place(case, poses_at)
     c, s, dx, dy = np.cos(at.angle), np.sin(at.angle), x - at.x, y - at.y
@@ -90,7 +93,10 @@ def rows_from_track(case: Case, rows: np.ndarray, poses_at: np.ndarray, velociti
 
 
 def in_track_axes(case: Case, times: np.ndarray, torsor: np.ndarray) -> np.ndarray:
-    """Forces (N) and moments (N m) at some times (s) along the axes of the driven track, shape (n, 3)."""
+    """Forces (N) and moments (N m) at some times (s) along the axes of the driven track, shape (n, 3) or
+    (n, plates, 3)."""
+    if torsor.ndim == 3:
+        return np.stack([in_track_axes(case, times, own) for own in torsor.transpose(1, 0, 2)], axis=1)
     (fx, fy, moment), angle = torsor.T, track_place(case, times).angle
     c, s = np.cos(angle), np.sin(angle)
     return np.column_stack([c * fx + s * fy, c * fy - s * fx, moment])

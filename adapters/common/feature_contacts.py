@@ -22,14 +22,20 @@ from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.sampled_contacts import SampledPlates
 from cases.scene.contact_names import FIRST, contact_name
 from cases.scene.contact_pairs import PairCase, pairs
-from cases.scene.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of
+from cases.scene.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of, why_not_closed_forms
 from cases.scene.supports import is_straight
 
 from .closed_samples import by_gap, from_first_to_last, ranges, touching
+from .couple_contacts import couple_contacts
 from .pose_contact import ROUNDING, PoseContact, cone_slope, forces_of, pushing, with_columns
 
 # Samples of a curved support, and Newton's steps from the nearest of them: each squares the error.
 TRACK_SAMPLES, FOOT_STEPS = 4_001, 6
+
+
+def has_closed_forms(case: Case) -> bool:
+    """Whether all contacts that plates may have are pairs with one gap in every pose."""
+    return not why_not_closed_forms(case) if case.others else refuses(case, with_curves=True) is None
 
 
 def refuses(case: Case, with_curves: bool = False) -> str | None:
@@ -106,12 +112,13 @@ def with_contacts(
     """
     plates = plates_of(case)
     poses, rates = poses_and_rates(motion)
-    every = _contacts(case, motion.t, poses, rates, slip_lever)
-    some = [one for one in every if (one.gap <= clear).any()]
+    if has_closed_forms(case):
+        some = [one for one in _contacts(case, motion.t, poses, rates, slip_lever) if (one.gap <= clear).any()]
+        some = some if case.others else _in_order(some, clear)
+    else:
+        some = couple_contacts(case, motion.t, poses, rates, clear, slip_lever)
     if not some and not case.others:
         return motion
-    if not case.others:
-        some = _in_order(some, clear)
     closed, rounding = [one.gap <= clear for one in some], rounding_of(case, motion)
     if torsor is None:
         closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(some, closed, strict=True)]

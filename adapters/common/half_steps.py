@@ -18,6 +18,7 @@ from cases import Case, Cost, CoulombFriction, Drive, Flight, Trajectory
 from cases.motion.mechanics import gravity
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
+from cases.scene.free_plates import plates_of
 
 from ..interface import EngineFailure
 from . import plates_in_steps
@@ -99,7 +100,8 @@ def _from_track(record: StepRecord) -> StepRecord:
     rows = rows_from_track(case, rows, times, times + record.h * (1.0 - record.rest))
     seen = replace(record, case=relative_case(case), rows=rows, load=None)
     load = torsor_of(seen) - in_track_axes(case, times, torsor)
-    pull = float(np.hypot(*load[:, :2].T).max()) / case.plate.mass + float(np.hypot(*gravity(seen.case)))
+    lightest = min(plate.mass for plate in plates_of(case))
+    pull = float(np.hypot(load[..., 0], load[..., 1]).max()) / lightest + float(np.hypot(*gravity(seen.case)))
     return replace(seen, load=load, pull=pull)
 
 

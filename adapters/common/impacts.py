@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough
-from cases.scene.free_plates import gap_of, plate_contacts, plates_of, size_of, start_poses
+from cases.scene.couples import couples
+from cases.scene.free_plates import plates_of, size_of, start_poses
 from cases.scene.start_pose import TOUCHES
+
+from .couple_contacts import gaps_in
 
 # The law of engines that solve for the velocities at a step's end.
 MOREAU = "Moreau's (Newton's restitution, and Coulomb's law on the velocity after the impact)"
@@ -27,6 +30,7 @@ def plates_touch(case: Case) -> bool:
     """Whether two of several plates touch each other at the start, so that an impact may act on several contacts."""
     if not case.others:
         return False
-    poses, radii = start_poses(case), tuple(plate.reach for plate in plates_of(case))
-    gaps = [gap_of(contact, poses) for contact in plate_contacts(case) if contact.base is not None]
-    return min(gaps) <= TOUCHES * size_of(poses, radii)
+    poses = start_poses(case)
+    least = TOUCHES * size_of(poses, tuple(plate.reach for plate in plates_of(case)))
+    of_plates = [couple for couple in couples(case) if couple.base is not None]
+    return any((gaps_in(couple, poses[:, :3]) <= least).any() for couple in of_plates)

@@ -11,7 +11,8 @@ import numpy as np
 
 from cases import Cost, CoulombFriction, Trajectory
 from cases.motion.mechanics import gravity
-from cases.scene.free_plates import plate_contacts, plates_of
+from cases.scene.couples import couples
+from cases.scene.free_plates import plates_of
 
 from .feature_contacts import with_plates
 from .step_record import StepRecord, check_rows, rates_at_poses, torsor_of, velocities_before
@@ -26,7 +27,8 @@ def read(record: StepRecord) -> Trajectory:
     rates = rates_at_poses(before, after, [plate.reach for plate in plates], record.rest).reshape(shape)
     torsor = torsor_of(record).reshape(shape)
     clear = max(1e-6, 1e3 * record.rounding) * min(plate.inner for plate in plates) + 4.0 * record.rough
-    clear += 2.0 * float(np.hypot(*gravity(case))) * h**2
+    # On a track that turns gravity is one of the loads.
+    clear += 2.0 * float(np.hypot(*gravity(case)) or record.pull or 0.0) * h**2
     t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
     motion = with_plates(case, t, rows[..., :3].reshape(shape), rates, clear, torsor, record.lever)
     creep = _creep(record, motion, torsor) if case.others else _creep_of_one(record, motion, torsor[:, 0])
@@ -58,10 +60,11 @@ def _creep(record: StepRecord, motion: Trajectory, torsor: np.ndarray) -> float:
         usual = 0.5 * float(np.percentile(scatter, 99)) if len(scatter) else 0.0
         creep = max(creep, record.h * (friction.at_rest if friction else 0.0) * usual * ease)
     speed, turn = float(np.hypot(record.rows[..., 3], record.rows[..., 4]).max()), 0.0
-    for contact in plate_contacts(case):
-        if contact.base is None or contact.name not in slips:
+    for couple in couples(case):
+        if couple.base is None:
             continue
-        between = record.rows[:, contact.body, :2] - record.rows[:, contact.base, :2]
+        between = record.rows[:, couple.body, :2] - record.rows[:, couple.base, :2]
         turns = np.abs(np.diff(np.unwrap(np.arctan2(between[:, 1], between[:, 0]))))
-        turn = max(turn, float(np.max(turns, initial=0.0, where=np.isfinite(np.diff(slips[contact.name])))))
+        for name in (name for name in slips if name.split()[0] == couple.pair_name):
+            turn = max(turn, float(np.max(turns, initial=0.0, where=np.isfinite(np.diff(slips[name])))))
     return creep + 0.5 * speed * turn**2 + record.wider * float(np.abs(record.rows[..., 5]).max())

@@ -6,9 +6,10 @@ import numpy as np
 
 from cases import Case
 from cases.contact import start_motion
-from cases.scene.free_plates import start_poses
+from cases.scene.free_plates import POSE
 
 
 def starts_of(case: Case) -> np.ndarray:
     """(x, y, θ, vx, vy, ω) of every plate at time zero in the fixed frame, shape (plates, 6)."""
-    return np.vstack([start_motion(case)[:6], start_poses(case)[1:]])
+    others = [[getattr(other.start, name) for name in POSE] for other in case.others]
+    return np.array([start_motion(case)[:6], *others], dtype=float)

@@ -22,12 +22,12 @@ class StepRecord:
     """The record of a run: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it is complete;
     shape (n, 6), or (n, plates, 6) for several plates.
 
-    `contacts`: the rows' contacts if the adapter set them, else they are computed. `load`: the case's Load in each
-    step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: distance (m) of the engine's shapes from the curves.
-    `lever`: the fraction of the gap between the plate and the point where the engine's friction acts. `rounding`: the
-    relative rounding of its numbers. `rest`: the part of h by which the first step was shorter. `pull`: acceleration of
-    a free plate (m/s²), by default gravity's. `wider` (m): by how much the engine's discs are larger than the case's,
-    whose outlines slip where they roll.
+    `contacts`: the rows' contacts if the adapter set them, else they are computed. `load`: the Load of each
+    plate in each step, (F_x, F_y, M) in N and N m, shape (n, 3) or (n, plates, 3). `rough`: distance (m) of the
+    engine's shapes from the curves. `lever`: the fraction of the gap between the plate and the point where the engine's
+    friction acts. `rounding`: the relative rounding of its numbers. `rest`: the part of h by which the first step was
+    shorter. `pull`: acceleration of a free plate (m/s²), by default gravity's. `wider` (m): by how much the engine's
+    discs are larger than the case's, whose outlines slip where they roll.
     """
 
     case: Case
@@ -81,7 +81,8 @@ def inertia_of(case: Case) -> np.ndarray:
 
 def external_of(record: StepRecord) -> np.ndarray:
     """Gravity and load in each step: force (N) and moment (N m), shape (n, 3) or that of the inertia."""
-    turns = np.array([1.0, 1.0, float(record.case.plate.turns)])
+    every = np.array([(1.0, 1.0, float(plate.turns)) for plate in plates_of(record.case)])
+    turns = every if record.case.others else every[0]
     load = np.zeros(3) if record.load is None else record.load * turns
     return np.append(gravity(record.case), 0.0) * inertia_of(record.case) + load
 

@@ -10,7 +10,7 @@ order 2).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -33,25 +33,22 @@ from cases import (
     Unilateral,
 )
 from cases.moving_frame import relative_case
-from cases.scene.contact_limits import touches_by_features
+from cases.scene.free_plates import plates_of
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..common.impacts import MOREAU, not_moreaus
 from ..interface import EngineFailure, Meaning, Refusal, Setting
 from . import assisted, native, older_versions
-from .load import LoadInSteps
+from .load import LoadInSteps, loads_in_steps
 
 NAME = "pymunk"
 routes = ("native", "assisted")
 # Tested: every version that has a wheel for CPython 3.11, from 6.3.0, by `older_versions`.
 KNOWN = "pymunk>=6.0"
 CAPABILITIES = {
-    "native": (
-        "slip laws", "corners", "several contacts", "supports", "belts and supports", "driven contacts",
-        "several plates", "free polygons",
-    ),
+    "native": ("every scene",),
     "assisted": ("slip laws",),
-}  # fmt: skip
+}
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
@@ -140,14 +137,12 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else several_contacts.refuses(case)
+    return None if case.others or case.supports else several_contacts.refuses(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
-    if facets.has_hollow_corners(case.plate.outline):
-        return "pymunk's polygons are convex, and this outline has corners that point inwards."
-    if touches_by_features(case) and not case.others and (problem := feature_contacts.refuses(case, True)):
-        return problem
+    if any(facets.has_hollow_corners(plate.outline) for plate in plates_of(case)):
+        return "pymunk's polygons are convex, and an outline here has corners that point inwards."
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
     movers = [kind.__name__ for kind in (Belt, Load, Drive) if case.effect(kind)]
@@ -220,7 +215,7 @@ class PymunkModel:
     """One run: the space, the plates' bodies, the step (s), the number of steps, the recorded rows.
 
     `engine_case` is the case that the engine has: on the assisted route, a driven track's as the track sees it.
-    `drive`: its load; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
+    `drives`: the plates' loads; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
     assisted route's contacts.
     """
 
@@ -230,7 +225,7 @@ class PymunkModel:
     bodies: list[pymunk.Body]
     h: float
     steps: int
-    drive: LoadInSteps | None = None
+    drives: Sequence[LoadInSteps | None] = ()
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
     # Functions that record the plates after a step, and that return the rows.
@@ -243,7 +238,7 @@ class PymunkModel:
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
     """The space at the start of the case, moved back by half a step. The step divides the duration evenly."""
-    return _model(case, route, setting, with_load=case.effect(Load) is not None)
+    return _model(case, route, setting, with_load=True)
 
 
 def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkModel:
@@ -252,12 +247,12 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
     if route != "native":
         engine_case = relative_case(case)
         space, body, drive, guide = assisted.build(engine_case, setting, h)
-        return PymunkModel(case, engine_case, space, [body], h, steps, drive, guide=guide)
+        return PymunkModel(case, engine_case, space, [body], h, steps, [drive], guide=guide)
     space, bodies = native.build(case, setting, h)
     native.drive_track(case, space, h)
-    drive = LoadInSteps(case, bodies[0], h) if with_load else None
+    drives = loads_in_steps(case, bodies, h) if with_load else []
     rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
-    model = PymunkModel(case, case, space, bodies, h, steps, drive, rough)
+    model = PymunkModel(case, case, space, bodies, h, steps, drives, rough)
     if surfaces := native.surfaces_in_steps(case):
         model.note = native.SurfacesInSteps(surfaces, space, h).counting(model.note)
     return model
@@ -305,18 +300,25 @@ def _step_on(space: pymunk.Space, step: Callable[..., None], what: tuple, steps:
         step(*what)
 
 
+def _load_rows(model: PymunkModel, steps: int) -> np.ndarray:
+    """The loads in each step, as `StepRecord.load` has them."""
+    every = np.array([drive.rows if drive else np.zeros((steps, 3)) for drive in model.drives])
+    return every.transpose(1, 0, 2) if model.case.others else every[0]
+
+
 def read(model: PymunkModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    drive, guide, rows = model.drive, model.guide, model.rows()
-    if drive and drive.problem:
-        raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
+    guide, rows, loads = model.guide, model.rows(), [drive for drive in model.drives if drive]
+    for drive in loads:
+        if drive.problem:
+            raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
     record = half_steps.StepRecord(
         model.engine_case, model.h, model.steps,
         rows=rows if model.case.others else rows[:, 0],
         contacts=guide.contacts if guide else None,
-        load=np.array(drive.rows) if drive else None,
+        load=_load_rows(model, len(rows)) if loads else None,
         rough=model.rough,
         wider=native.wider(model.case, model.space) if model.case.others else 0.0,
     )  # fmt: skip

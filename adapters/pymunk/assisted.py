@@ -23,7 +23,7 @@ from cases.motion.mechanics import gravity
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
 from . import older_versions
-from .load import LoadInSteps, Torsor
+from .load import LoadInSteps, Torsor, loads_in_steps
 from .native import friction_coefficient, to_start
 
 # Radius in metres of the overlapping circles: much larger than any track, small enough to lose no digits.
@@ -156,7 +156,7 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.
     """Build a space with the plate as a body, the drive of its load, and the guide along its track."""
     space, body = overlapping(case, setting)
     to_start(case, [body], h)
-    drive = LoadInSteps(case, body, h) if case.effect(Load) else None
+    (drive,) = loads_in_steps(case, [body], h)
     guide = ContactGuide(case, body, h, drive)
     listen(space, guide.pre_solve)
     return space, body, drive, guide

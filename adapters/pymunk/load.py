@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite
 
 import pymunk
 
 from cases import Case, Load
-from cases.contact import start_motion
+from cases.scene.free_plates import loads_of
+
+from ..common.starts import starts_of
 
 Torsor = tuple[float, float, float]
 
 
 class LoadInSteps:
-    """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` an error of its formula.
+    """The load of a plate in one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` an error of its
+    formula.
 
     The engine moves its bodies first, then updates their velocities: at that point the pose belongs to the step's time
     t, while the velocities are half a step earlier and are extrapolated to t by their last change.
     """
 
-    def __init__(self, case: Case, body: pymunk.Body, h: float):
-        load = case.effect(Load)
-        assert load is not None, "only a case with a load has a drive"
+    def __init__(self, load: Load, start: Sequence[float], body: pymunk.Body, h: float):
         self.rows: list[Torsor] = []
         self.problem: Exception | None = None
         self._at, self._body, self._h = load.at, body, h
-        start = start_motion(case)
-        self._before = start.vx, start.vy, start.omega
+        vx, vy, omega = (float(rate) for rate in start[3:6])
+        self._before = vx, vy, omega
         body.velocity_func = self._update
 
     def torsor(self) -> Torsor:
@@ -54,3 +56,11 @@ class LoadInSteps:
         self.rows.append((fx, fy, moment))
         body.force, body.torque = (fx, fy), moment
         pymunk.Body.update_velocity(body, gravity, damping, dt)
+
+
+def loads_in_steps(case: Case, bodies: Sequence[pymunk.Body], h: float) -> list[LoadInSteps | None]:
+    """The loads of all plates in one run of steps of h (s); None of a plate without one."""
+    return [
+        LoadInSteps(load, start, body, h) if load else None
+        for load, start, body in zip(loads_of(case), starts_of(case).tolist(), bodies, strict=True)
+    ]

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import count, pairwise, product
-from math import sqrt
+from math import inf, isfinite, sqrt
 
 import numpy as np
 import pymunk
@@ -33,7 +33,9 @@ from cases.contact.polygon_features import circles, is_polygon
 from cases.curves.line_or_circle import Line, as_circle, as_line
 from cases.effects import Effect, one
 from cases.motion.mechanics import gravity
-from cases.scene.free_plates import plates_of
+from cases.scene.contact_names import TRACK
+from cases.scene.couples import Couple, couples
+from cases.scene.free_plates import names_of, plates_of
 
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import (
@@ -59,8 +61,8 @@ from . import older_versions
 KNOBS = ("collision_slop", "collision_bias", "iterations")
 
 
-# The engine's collision types; the further supports have those after the track's.
-_PLATE, _TRACK = 1, 2
+# The engine's collision type of the first plate; the others, the track and the supports have those after it.
+_FIRST = 1
 
 # A coefficient that no contact here needs: a millionth of a newton would hold a plate of a tonne on a wall.
 ROUGH = 1e9
@@ -91,10 +93,9 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         # Thick walls stop plates that sink in; thin ones reduce the engine's search for overlapping boxes.
         thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
-    # The free plates are discs and polygons, which the engine has exactly.
-    if not round_plate(case) and not as_line(case.plate.outline) and not case.others:
+    if any(needs_corners(plate) for plate in plates_of(case)) or (not case.others and is_polygon(case.plate)):
         # Corners lose energy as facets do; with 0.2 s over the step they lose as much as the step itself.
-        most = MOST_CORNERS if is_convex(case.plate.outline) else MOST_SEGMENTS
+        most = MOST_CORNERS if all(is_convex(plate.outline) for plate in plates_of(case)) else MOST_SEGMENTS
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, most))
     return knobs
 
@@ -163,28 +164,30 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[py
     # The engine multiplies the two shapes' coefficients. Those of several plates act between them, too.
     of_plates = [sqrt(whole) if case.others else 1.0 for whole in _coefficients(case.effects)]
     bodies, shapes = list[pymunk.Body](), list[pymunk.Shape]()
-    for plate in plates_of(case):
+    for collision_type, plate in enumerate(plates_of(case), start=_FIRST):
         body = pymunk.Body(plate.mass, plate.inertia)
         bodies.append(body)
         for shape in _plate_shapes(plate, body, setting, wider(case, space) if case.others else 0.0):
             shape.friction, shape.elasticity = of_plates
-            shape.collision_type = _PLATE
+            shape.collision_type = collision_type
             shapes.append(shape)
     track = pymunk.Body(body_type=pymunk.Body.KINEMATIC) if case.effect(Drive) else space.static_body
     fixed = list[pymunk.Shape]()
-    for number, (curve, effects) in enumerate(_surfaces(case), start=_TRACK):
+    for number, (curve, effects) in enumerate(_surfaces(case), start=_FIRST + len(bodies)):
         some, coefficients = _fixed_shapes(case, space, track, curve, setting), _coefficients(effects)
         for shape in some:
             shape.friction, shape.elasticity = (
                 whole / of_plate if of_plate else 0.0 for whole, of_plate in zip(coefficients, of_plates, strict=True)
             )
             shape.collision_type = number
-        if case.others and coefficients != _coefficients(case.effects):
-            older_versions.on_collision(space, number, _PLATE, _Coefficients(*coefficients))
         belt = one(effects, Belt)
-        if belt and (belt_runs_as_shapes(case) if number == _TRACK else _runs_evenly(effects)):
+        if belt and (belt_runs_as_shapes(case) if curve is case.track else _runs_evenly(effects)):
             _run_surface(some, belt.constant or 0.0)
         fixed += some
+    if case.others or case.pairs:
+        for couple in couples(case):
+            if (own := _coefficients(couple.effects)) != _coefficients(case.effects):
+                older_versions.on_collision(space, *types_of(couple), _Coefficients(*own))
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(fixed)
     # The engine solves contacts in the order in which shapes are added, and searches them from where they are then.
@@ -214,8 +217,15 @@ def _coefficients(effects: Sequence[Effect]) -> tuple[float, float]:
     return friction_coefficient(effects), impact.restitution if impact else 0.0
 
 
+def types_of(couple: Couple) -> tuple[int, int]:
+    """The engine's collision types of a couple's boundary and of its plate."""
+    whole, boundary = couple.whole, couple.pair_name.split("/")[1]
+    names = (*names_of(whole), TRACK, *(support.name for support in whole.supports))
+    return _FIRST + names.index(boundary), _FIRST + couple.body
+
+
 class _Coefficients:
-    """Sets friction and restitution of the contacts of several plates with a support of its own effects."""
+    """Sets friction and restitution of the contacts of two bodies that have effects of their own."""
 
     def __init__(self, mu: float, restitution: float):
         self._mu, self._restitution = mu, restitution
@@ -231,7 +241,8 @@ def _fixed_shapes(
     line, circle = as_line(curve), as_circle(curve)
     if line:
         part = None if case.supports or case.others else stretch(case)
-        reach = ends(case, line) if part is None else np.array([curve.point(s) for s in (part.low, part.high)])
+        low, high = (part.low, part.high) if part else curve.domain or (-inf, inf)
+        reach = np.array([curve.point(s) for s in (low, high)]) if isfinite(low) else ends(case, line)
         return [_line_segment(case, space, body, line, setting["thickness"], reach)]
     if circle and is_round_hill(curve):
         x, y = circle.centre
@@ -265,10 +276,12 @@ def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
 
 
 def belt_runs_as_shapes(case: Case) -> bool:
-    """Whether the belt is a surface velocity of the track's shapes: a constant one, along segments that do not turn."""
+    """Whether the belt is a surface velocity of the track's shapes: a constant one, along segments that do not turn,
+    without the corners of a chain, where a contact has not the direction of its segment."""
     drive = case.effect(Drive)
     is_turning = drive is not None and drive.is_turning
-    return _runs_evenly(case.effects) and track_kind(case) != "hill" and not is_turning
+    is_smooth = track_kind(case) != "hill" and not isinstance(case.track, Chain)
+    return _runs_evenly(case.effects) and is_smooth and not is_turning
 
 
 def _runs_evenly(effects: Sequence[Effect]) -> bool:
@@ -279,19 +292,23 @@ def _runs_evenly(effects: Sequence[Effect]) -> bool:
 
 @dataclass(frozen=True)
 class StepSurface:
-    """What of a curve is set in each step: a belt that is no surface velocity of shapes, and mu by the slip speed."""
+    """What of the contacts of two bodies is set in each step: a belt that is no surface velocity of shapes, mu by the
+    slip speed, and the restitution."""
 
     belt: Belt | None
     coefficient: Callable[[float], float] | None
+    restitution: float
 
 
-def surfaces_in_steps(case: Case) -> dict[int, StepSurface]:
-    """The curves whose belt or friction is set in each step, by the collision type of their shapes."""
+def surfaces_in_steps(case: Case) -> dict[tuple[int, int], StepSurface]:
+    """The contacts whose belt or friction is set in each step, by the collision types of the bodies."""
     surfaces = {}
-    for number, (_, effects) in enumerate(_surfaces(case), start=_TRACK):
-        is_shapes = belt_runs_as_shapes(case) if number == _TRACK else _runs_evenly(effects)
-        surfaces[number] = StepSurface(None if is_shapes else one(effects, Belt), _coefficient(effects))
-    return {number: each for number, each in surfaces.items() if each.belt or each.coefficient}
+    for couple in couples(case):
+        effects = couple.effects
+        is_shapes = belt_runs_as_shapes(case) if couple.track is case.track else _runs_evenly(effects)
+        belt = None if is_shapes else one(effects, Belt)
+        surfaces[types_of(couple)] = StepSurface(belt, _coefficient(effects), _coefficients(effects)[1])
+    return {types: each for types, each in surfaces.items() if each.belt or each.coefficient}
 
 
 def _coefficient(effects: Sequence[Effect]) -> Callable[[float], float] | None:
@@ -304,12 +321,12 @@ class SurfacesInSteps:
     friction by the slip speed as the friction of each contact, by its slip in the middle of the step's change of
     velocity, as predicted from the step before."""
 
-    def __init__(self, surfaces: dict[int, StepSurface], space: pymunk.Space, h: float):
+    def __init__(self, surfaces: dict[tuple[int, int], StepSurface], space: pymunk.Space, h: float):
         self._h, self._step = h, 0
         self._velocities = {body: _velocities(body) for body in space.bodies}
         self._changes = {body: (Vec2d(0.0, 0.0), 0.0) for body in space.bodies}
-        for number, surface in surfaces.items():
-            older_versions.on_collision(space, number, _PLATE, partial(self._pre_solve, surface))
+        for types, surface in surfaces.items():
+            older_versions.on_collision(space, *types, partial(self._pre_solve, surface))
 
     def counting(self, note: Callable[[], None]) -> Callable[[], None]:
         """The function that records a step, which also counts it and notes the changes of the velocities."""
@@ -326,6 +343,7 @@ class SurfacesInSteps:
         return count_and_note
 
     def _pre_solve(self, surface: StepSurface, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+        arbiter.restitution = surface.restitution
         # The velocities after a step are those of its middle; the normal points to the plate.
         contacts = arbiter.contact_point_set
         tangent = Vec2d(contacts.normal.y, -contacts.normal.x)
@@ -356,6 +374,12 @@ def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
     for shape in shapes:
         assert isinstance(shape, pymunk.Segment), "refuses() accepts belts on segments only"
         shape.surface_velocity = (shape.b - shape.a).normalized() * speed
+
+
+def needs_corners(plate: Plate) -> bool:
+    """Whether the engine has a plate by corners that are not its own: it is no disc, no segment and no polygon."""
+    is_round = bool(as_circle(plate.outline) and plate.outline.period)
+    return not is_round and not as_line(plate.outline) and not is_polygon(plate)
 
 
 def _plate_shapes(plate: Plate, body: pymunk.Body, setting: Setting, more: float) -> list[pymunk.Shape]:

@@ -151,8 +151,9 @@ def box_off_conveyor(speed=1.0, mu=0.4, slope=0.3, width=0.2, height=0.1, m=1.0,
     """
     high = 0.5 * positive("height of box_off_conveyor", height)
     belt = Chain.polyline([(-2.0, 0.0), (0.3, 0.0), (0.3, -0.5)])  # it turns down behind its end
+    # The chute begins below the belt's end: in an engine its own end would hold a box that lies on both.
     chute = Support(
-        Curve(lambda s: (0.3 + s * cos(slope), -s * sin(slope)), (0.0, 3.0)), "chute", (CoulombFriction(mu),)
+        Curve(lambda s: (0.3 + s * cos(slope), -s * sin(slope)), (0.02, 3.0)), "chute", (CoulombFriction(mu),)
     )
     plate = Plate.rectangle(width, 2 * high, m)
     return case_with_impacts(belt, plate, mu, g, StartPose(0.0, high), duration, Belt(speed), supports=(chute,))

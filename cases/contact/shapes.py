@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import atan2, hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -104,35 +103,37 @@ def _shape(piece: Piece) -> Ring | Straight | None:
     return None
 
 
-def guess(track: Piece, outline: Piece, some: Shapes, x: float, y: float, theta: float) -> tuple[float, float]:
-    """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base."""
-    cx, cy = map(float, some.centre(x, y, theta))
+def guess(track: Piece, outline: Piece, some: Shapes, x, y, theta) -> tuple[Any, Any]:
+    """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base; numbers or
+    arrays."""
+    cx, cy = some.centre(x, y, theta)
     if isinstance(some.still, Straight):
         nx, ny = some.still.nx, some.still.ny
     else:
-        far = hypot(cx - some.still.x, cy - some.still.y) or 1.0
+        far = np.hypot(cx - some.still.x, cy - some.still.y)
+        far = far + (far == 0.0)
         sign = -1.0 if some.still.is_hollow else 1.0
         nx, ny = sign * (cx - some.still.x) / far, sign * (cy - some.still.y) / far
     px, py = cx - some.moving.radius * nx, cy - some.moving.radius * ny
     if not some.from_base:  # the frame is the plate's, whose tangent is opposite to this normal's
-        along = atan2(nx, -ny)
+        along = np.arctan2(nx, -ny)
         return _with_direction(track, along + theta), _parameter(outline, px, py, along)
-    along = atan2(-nx, ny)
+    along = np.arctan2(-nx, ny)
     return _parameter(track, px, py, along), _with_direction(outline, along - theta)
 
 
-def _parameter(piece: Piece, x: float, y: float, direction: float) -> float:
+def _parameter(piece: Piece, x, y, direction) -> Any:
     """The parameter of a line nearest to a point, or that of a circle or corner whose tangent has a direction."""
     line = None if isinstance(piece, Corner) else as_line(piece)
     if line is None:
         return _with_direction(piece, direction)
-    low = float(piece.span[0])
-    return low + float((np.array([x, y]) - line.point) @ line.direction) / float(piece.speed(low))
+    low, (px, py), (tx, ty) = float(piece.span[0]), line.point.tolist(), line.direction.tolist()
+    return low + ((x - px) * tx + (y - py) * ty) / float(piece.speed(low))
 
 
-def _with_direction(piece: Piece, direction: float) -> float:
+def _with_direction(piece: Piece, direction) -> Any:
     """The parameter of a circle or corner whose tangent has that direction (rad), in the round of its middle."""
     middle = 0.5 * sum(piece.span)
     rate = piece.sign if isinstance(piece, Corner) else float(piece.curvature(middle) * piece.speed(middle))
     off = direction - float(piece.tangent_angle(middle))
-    return middle + float(np.arctan2(np.sin(off), np.cos(off))) / rate
+    return middle + np.arctan2(np.sin(off), np.cos(off)) / rate
