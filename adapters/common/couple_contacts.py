@@ -7,24 +7,25 @@ sample.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from math import dist
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case
+from cases import Case, Curve
 from cases.contact import belt_speed
 from cases.contact.close_pairs import circles_around, close_pairs
 from cases.contact.element_pairs import may_touch
 from cases.contact.geometry import clearance
-from cases.contact.shapes import guess, shapes
+from cases.contact.shapes import Ring, guess, ring_of, shapes, with_direction
 from cases.curves.corner import Corner
 from cases.curves.element import Element
 from cases.scene.contact_names import contact_name
 from cases.scene.couples import Couple, couples
 from cases.scene.free_plates import plates_of
 
+from .facets import visible_span
 from .pose_contact import PoseContact, cone_slope
 
 # Places that are farther apart than this part of the smaller plate do not matter.
@@ -34,6 +35,11 @@ NEAR = 0.2
 TILT = 0.25
 # Two places in one sample that are closer than this part of the smaller plate are one, as at a seam.
 ONE_PLACE = 0.05
+# Samples of a curve: so many parts of the smaller plate apart, but at least and at most so many; and distances that are
+# computed at once (80 MB).
+FINENESS, FEWEST, MOST_SAMPLES, MOST_DISTANCES = 1 / 40, 721, 20_000, 10_000_000
+# Steps of Newton's method for the foot of a point: each squares the error.
+FOOT_STEPS = 6
 # From sample to sample a contact moves along the boundary by less than this part of the smaller plate.
 STEP = 0.5
 
@@ -47,17 +53,20 @@ class Places(NamedTuple):
     gap: np.ndarray
 
 
+# Of contact parameters (n,): the gaps (m) below which such contacts are closed.
+Clear = Callable[[np.ndarray], np.ndarray]
+
+
 def couple_contacts(
-    case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, clear: float, slip_lever: float
+    case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, clear: Clear, slip_lever: float = 0.0
 ) -> list[PoseContact]:
     """The contacts of all couples of a case along a motion, those of one couple numbered in the order in which they
-    first close; poses and rates (n, plates, 3). `clear`: the gap (m) below which a contact is closed. The engine's
-    friction acts at the share `slip_lever` of the gap from the plate that is named first."""
+    first close; poses and rates (n, plates, 3). The engine's friction acts at the share `slip_lever` of the gap from
+    the plate that is named first."""
     result = list[PoseContact]()
     for couple in couples(case):
-        near = places_of(couple, poses)
         plate, boundary = couple.pair_name.split("/")
-        for number, place in enumerate(_followed(couple, near, len(t), clear), start=1):
+        for number, place in enumerate(_followed(couple, places_of(couple, poses), len(t), clear), start=1):
             name = contact_name(plate, boundary, number)
             result.append(_along(couple, name, place, t, poses, rates, slip_lever))
     return result
@@ -80,9 +89,9 @@ def gaps_in(couple: Couple, poses: np.ndarray) -> np.ndarray:
 def places_of(couple: Couple, poses: np.ndarray) -> Places:
     """The places where plate and boundary are near, in poses (n, plates, 3) of all plates; the nearest of each sample
     first."""
-    most, columns = NEAR * size_of(couple), poses.reshape(len(poses), -1).T
+    columns = poses.reshape(len(poses), -1).T
     pose = np.array(np.broadcast_arrays(*couple.relative_pose(columns)), dtype=float)
-    some = [np.empty((4, 0)), *_near_elements(couple, pose, most)]
+    some = [np.empty((4, 0)), *_near_elements(couple, pose)]
     table = np.hstack(some)
     table = table[:, np.lexsort((np.abs(table[3]), table[0]))]
     alone, kept, last = np.zeros(table.shape[1], dtype=bool), list[np.ndarray](), -1.0
@@ -96,39 +105,88 @@ def places_of(couple: Couple, poses: np.ndarray) -> Places:
     return Places(sample.astype(int), *values)
 
 
-def _near_elements(couple: Couple, pose: np.ndarray, most: float) -> Iterator[np.ndarray]:
+def _near_elements(couple: Couple, pose: np.ndarray) -> Iterator[np.ndarray]:
     """The places of each two elements that touch, rows as `Places`."""
     u, v, radius = circles_around(couple.track)
     for first in couple.track.elements:
         far = np.hypot(u[first.number] - pose[0], v[first.number] - pose[1])
-        near = np.flatnonzero(far <= radius[first.number] + couple.plate.reach + most)
+        near = np.flatnonzero(far <= radius[first.number] + couple.plate.reach + NEAR * size_of(couple))
         for second in couple.plate.outline.elements if len(near) else ():
             both = first.piece, second.piece
             if not all(isinstance(piece, Corner) for piece in both) and may_touch(*both):
-                samples, *values = _of_elements(first, second, pose[:, near], most)
+                samples, *values = _of_elements(couple, first, second, pose[:, near])
                 yield np.array([near[samples], *values])
 
 
-def _of_elements(first: Element, second: Element, pose: np.ndarray, most: float) -> list[np.ndarray]:
+def _of_elements(couple: Couple, first: Element, second: Element, pose: np.ndarray) -> list[np.ndarray]:
     """The places of two elements, rows as `Places` with the parameters of the whole curves."""
-    form = shapes(first.piece, second.piece)
+    both, form, most = (first.piece, second.piece), shapes(first.piece, second.piece), NEAR * size_of(couple)
     if form is not None:
         gap = np.asarray(form.gap(*form.centre(*pose)))
         samples = np.flatnonzero(np.abs(gap) <= most)
-        xi1, xi2 = guess(first.piece, second.piece, form, *pose[:, samples])
+        xi1, xi2 = guess(*both, form, *pose[:, samples])
         gap = gap[samples]
+    elif ring := ring_of(second.piece):
+        samples, xi1, gap = _ring_on_curve(couple, first.piece, ring, pose)
+        xi2 = with_direction(second.piece, first.piece.tangent_angle(xi1) - pose[2, samples])
     else:
         rows = [
             (sample, *pair)
             for sample, (x, y, theta) in enumerate(pose.T.tolist())
-            for pair in close_pairs(first.piece, second.piece, (x, y, theta), most)
-            if pair.gap >= -most and clearance(first.piece, second.piece, pair.xi1, pair.xi2) >= 0.0
+            for pair in close_pairs(*both, (x, y, theta), most)
+            if pair.gap >= -most and clearance(*both, pair.xi1, pair.xi2) >= 0.0
         ]
-        samples, xi1, xi2, gap = np.reshape(rows, (-1, 4)).T
-        samples = samples.astype(int)
+        number, xi1, xi2, gap = np.reshape(rows, (-1, 4)).T
+        samples = number.astype(int)
     (xi1, on_first), (xi2, on_second) = _on_element(first, xi1), _on_element(second, xi2)
     inside = on_first & on_second
     return [row[inside] for row in (samples, xi1, xi2, gap)]
+
+
+def _ring_on_curve(
+    couple: Couple, curve: Curve, ring: Ring, pose: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The places where a circle or corner of a plate is nearest to a curve, in poses (3, n): samples, parameters and
+    gaps (m), from the nearest of samples of the curve."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    centre = np.array([pose[0] + c * ring.x - s * ring.y, pose[1] + s * ring.x + c * ring.y])
+    size, most = size_of(couple), NEAR * size_of(couple)
+    is_endless = curve.ends is None and not curve.period
+    low, high = visible_span(couple.whole) if is_endless and curve is couple.whole.track else curve.span
+    length = float(np.mean(curve.speed(np.linspace(low, high, FEWEST)))) * (high - low)
+    count = int(min(max(length / (FINENESS * size), FEWEST), MOST_SAMPLES))
+    grid = np.asarray(curve.even(low, high, count))
+    points, far = curve.point(grid), ring.radius + most
+    samples, starts = list[np.ndarray](), list[np.ndarray]()
+    block = max(MOST_DISTANCES // count, 1)
+    for begin in range(0, centre.shape[1], block):
+        x, y = centre[:, begin : begin + block, None]
+        square = (points[0] - x) ** 2 + (points[1] - y) ** 2
+        inner = np.pad(square, ((0, 0), (1, 1)), constant_values=np.inf)
+        lowest = (square < inner[:, :-2]) & (square <= inner[:, 2:]) & (square <= (far + FINENESS * size) ** 2)
+        row, column = np.nonzero(lowest)
+        samples.append(begin + row)
+        starts.append(grid[column])
+    sample = np.concatenate(samples)
+    xi1 = feet(curve, centre[:, sample], np.concatenate(starts), float(np.max(np.diff(grid))))
+    gap = np.sum((centre[:, sample] - curve.point(xi1)) * curve.normal(xi1), axis=0) - ring.radius
+    near = np.abs(gap) <= most
+    return sample[near], xi1[near], gap[near]
+
+
+def feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np.ndarray:
+    """The parameters (n,) of the points of a curve nearest to places (2, n), by Newton's method from the nearest of
+    samples that are `width` apart."""
+    xi1 = start
+    for _ in range(FOOT_STEPS):
+        off = place - track.point(xi1)
+        along = np.sum(off * track.tangent(xi1), axis=0)
+        with np.errstate(invalid="ignore"):  # at a corner the curvature is infinite, and the speed is 0
+            bend = 1.0 - track.curvature(xi1) * np.sum(off * track.normal(xi1), axis=0)
+            rate = np.where(bend > 0.0, bend, 1.0) * track.speed(xi1)
+        step = np.divide(along, rate, out=np.zeros_like(along), where=(rate > 0.0) & np.isfinite(rate))
+        xi1 = np.clip(xi1 + np.clip(step, -width, width), start - width, start + width)
+    return xi1
 
 
 def _on_element(element: Element, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -147,11 +205,11 @@ ROUNDING_OF_ENDS = 1e-9
 # --- a place from sample to sample ------------------------------------------------------------------------------------
 
 
-def _followed(couple: Couple, near: Places, samples: int, clear: float) -> list[Places]:
+def _followed(couple: Couple, near: Places, samples: int, clear: Clear) -> list[Places]:
     """The places of a couple that are closed at some time, over all samples, NaN where they are not near."""
     found, rows = list[np.ndarray](), len(near.sample)
     # A place is known from where it first closes; the second turn finds it before that, while it is near.
-    for order, closes in ((range(rows), near.gap <= clear), (range(rows)[::-1], np.zeros(rows, dtype=bool))):
+    for order, closes in ((range(rows), near.gap <= clear(near.xi1)), (range(rows)[::-1], np.zeros(rows, dtype=bool))):
         _follow(couple, found, order, near, closes, samples)
     return [_of_rows(couple, near, rows) for rows in found]
 

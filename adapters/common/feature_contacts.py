@@ -26,11 +26,11 @@ from cases.scene.free_plates import PlateContact, names_of, parameter, plate_con
 from cases.scene.supports import is_straight
 
 from .closed_samples import by_gap, from_first_to_last, ranges, touching
-from .couple_contacts import couple_contacts
+from .couple_contacts import FOOT_STEPS, couple_contacts, feet
 from .pose_contact import ROUNDING, PoseContact, cone_slope, forces_of, pushing, with_columns
 
-# Samples of a curved support, and Newton's steps from the nearest of them: each squares the error.
-TRACK_SAMPLES, FOOT_STEPS = 4_001, 6
+# Samples of a curved support.
+TRACK_SAMPLES = 4_001
 
 
 def has_closed_forms(case: Case) -> bool:
@@ -116,7 +116,7 @@ def with_contacts(
         some = [one for one in _contacts(case, motion.t, poses, rates, slip_lever) if (one.gap <= clear).any()]
         some = some if case.others else _in_order(some, clear)
     else:
-        some = couple_contacts(case, motion.t, poses, rates, clear, slip_lever)
+        some = couple_contacts(case, motion.t, poses, rates, lambda xi1: np.full(len(xi1), clear), slip_lever)
     if not some and not case.others:
         return motion
     closed, rounding = [one.gap <= clear for one in some], rounding_of(case, motion)
@@ -306,21 +306,6 @@ def _on_curve(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     if track.domain is not None and not track.period:
         away = np.where((xi1 > track.domain[0]) & (xi1 < track.domain[1]), away, np.inf)
     return xi1, away, tangent
-
-
-def feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np.ndarray:
-    """The parameters (n,) of the points of a curve nearest to places (2, n), by Newton's method from the nearest of
-    samples that are `width` apart."""
-    xi1 = start
-    for _ in range(FOOT_STEPS):
-        off = place - track.point(xi1)
-        along = np.sum(off * track.tangent(xi1), axis=0)
-        with np.errstate(invalid="ignore"):  # at a corner the curvature is infinite, and the speed is 0
-            bend = 1.0 - track.curvature(xi1) * np.sum(off * track.normal(xi1), axis=0)
-            rate = np.where(bend > 0.0, bend, 1.0) * track.speed(xi1)
-        step = np.divide(along, rate, out=np.zeros_like(along), where=(rate > 0.0) & np.isfinite(rate))
-        xi1 = np.clip(xi1 + np.clip(step, -width, width), start - width, start + width)
-    return xi1
 
 
 def _outline_parameter(pair: PairCase, tangent: np.ndarray, theta: np.ndarray) -> np.ndarray:

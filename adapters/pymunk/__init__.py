@@ -215,8 +215,8 @@ class PymunkModel:
     """One run: the space, the plates' bodies, the step (s), the number of steps, the recorded rows.
 
     `engine_case` is the case that the engine has: on the assisted route, a driven track's as the track sees it.
-    `drives`: the plates' loads; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
-    assisted route's contacts.
+    `drives`: the plates' loads; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of
+    the assisted route's contacts.
     """
 
     case: Case

@@ -16,7 +16,7 @@ from typing import Any
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Belt, Case, CoulombFriction, Load, Unilateral
+from cases import Belt, Case, CoulombFriction, Unilateral
 from cases.contact import Contact, MotionPoint, start_motion
 from cases.motion.mechanics import gravity
 

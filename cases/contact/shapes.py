@@ -76,8 +76,7 @@ def shapes(track: Piece, outline: Piece) -> Shapes | None:
     base, plate = _shape(track), _shape(outline)
     if isinstance(plate, Ring) and not plate.is_hollow:
         return None  # an outline that bends inwards
-    if isinstance(plate, Ring):
-        own = plate._replace(is_hollow=False)
+    if own := ring_of(outline):
         if isinstance(base, Ring) and base.is_hollow and base.radius <= own.radius:
             return None
         return None if base is None else Shapes(own, base, True)
@@ -85,6 +84,12 @@ def shapes(track: Piece, outline: Piece) -> Shapes | None:
         # Outside an outline is its right side.
         return Shapes(base, Straight(plate.x, plate.y, -plate.nx, -plate.ny), False)
     return None
+
+
+def ring_of(outline: Piece) -> Ring | None:
+    """An element of an outline that bulges as a circle or corner; None if it is another."""
+    shape = _shape(outline)
+    return shape._replace(is_hollow=False) if isinstance(shape, Ring) and shape.is_hollow else None
 
 
 def _shape(piece: Piece) -> Ring | Straight | None:
@@ -117,21 +122,21 @@ def guess(track: Piece, outline: Piece, some: Shapes, x, y, theta) -> tuple[Any,
     px, py = cx - some.moving.radius * nx, cy - some.moving.radius * ny
     if not some.from_base:  # the frame is the plate's, whose tangent is opposite to this normal's
         along = np.arctan2(nx, -ny)
-        return _with_direction(track, along + theta), _parameter(outline, px, py, along)
+        return with_direction(track, along + theta), _parameter(outline, px, py, along)
     along = np.arctan2(-nx, ny)
-    return _parameter(track, px, py, along), _with_direction(outline, along - theta)
+    return _parameter(track, px, py, along), with_direction(outline, along - theta)
 
 
 def _parameter(piece: Piece, x, y, direction) -> Any:
     """The parameter of a line nearest to a point, or that of a circle or corner whose tangent has a direction."""
     line = None if isinstance(piece, Corner) else as_line(piece)
     if line is None:
-        return _with_direction(piece, direction)
+        return with_direction(piece, direction)
     low, (px, py), (tx, ty) = float(piece.span[0]), line.point.tolist(), line.direction.tolist()
     return low + ((x - px) * tx + (y - py) * ty) / float(piece.speed(low))
 
 
-def _with_direction(piece: Piece, direction) -> Any:
+def with_direction(piece: Piece, direction) -> Any:
     """The parameter of a circle or corner whose tangent has that direction (rad), in the round of its middle."""
     middle = 0.5 * sum(piece.span)
     rate = piece.sign if isinstance(piece, Corner) else float(piece.curvature(middle) * piece.speed(middle))
