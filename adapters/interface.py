@@ -101,7 +101,7 @@ WORDS = {
 def has(adapter: Any, route: str, word: str) -> bool:
     """Whether a route of an adapter has a word of `WORDS`."""
     own = getattr(adapter, word.upper().replace(" ", "_"), ())
-    return route in own or word in getattr(adapter, "CAPABILITIES", {}).get(route, ())
+    return route in own or bool({word, "every scene"} & {*getattr(adapter, "CAPABILITIES", {}).get(route, ())})
 
 
 # The functions of an adapter, with the optional ones.
@@ -160,9 +160,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
-    has_every = has(adapter, route, "every scene")
     for is_there, word, what in _needs(case):
-        if is_there and not has_every and not has(adapter, route, word):
+        if is_there and not has(adapter, route, word):
             return f"The {route} route does not support {what}."
     return adapter.refuses(case, route)
 

@@ -49,11 +49,10 @@ from cases import (
 )
 from cases.errors import unknown_name
 from cases.motion.mechanics import gravity
-from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from cases.scene.free_plates import plates_of
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..common.impacts import has_friction, not_moreaus, plates_touch
 from ..common.starts import starts_of
 from ..interface import Meaning, Refusal, Setting
@@ -66,7 +65,7 @@ KNOWN = "pyb2d3>=0.5"
 CAPABILITIES = {
     "native": (
         "corners", "several contacts", "supports", "belts and supports", "driven contacts",
-        "several plates", "free polygons",
+        "several plates", "free polygons", "any shape",
     ),
 }  # fmt: skip
 
@@ -177,8 +176,6 @@ def refuses(case: Case, route: str) -> str | None:
         )
     if case.others and (problem := shapes.refuses_plates(case)):
         return problem
-    if touches_by_features(case) and not case.others and (problem := feature_contacts.refuses(case, True)):
-        return problem
     if any(own != whole for own, whole in shapes.restitutions(case)):
         return "box2d takes the larger restitution of both shapes, and a support here has its own."
     return driven_tracks.refuses(case)
@@ -186,7 +183,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else several_contacts.refuses(case)
+    return several_contacts.refuses(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:

@@ -17,8 +17,9 @@ from math import isfinite, nan
 from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Chain, Cost, Drive, NotSupported, Trajectory
+from cases.scene.supports import is_straight
 
-from ..common import feature_contacts, motion_file, motion_table, several_contacts, supervision
+from ..common import motion_file, motion_table, several_contacts, supervision
 from ..common.facets import is_convex
 from ..interface import EngineFailure, Setting
 from .scene_file import FACETS, SAMPLES, as_json, scene
@@ -92,11 +93,13 @@ class Engine:
             return "A scene has no outline with corners that point inwards."
         if case.supports and case.effect(Drive) is not None:
             return "A scene has no supports that move with a driven track."
-        return feature_contacts.refuses(case) if case.supports and not case.others else None
+        if bent := next((support.name for support in case.supports if not is_straight(support.curve)), ""):
+            return f"A scene has supports that are straight lines without ends, and {bent!r} is none."
+        return None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
         """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
-        return None if case.others else several_contacts.refuses(case)
+        return several_contacts.refuses(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

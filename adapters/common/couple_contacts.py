@@ -8,8 +8,8 @@ sample.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from math import dist
-from typing import NamedTuple
+from math import atan2, dist, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,29 +18,34 @@ from cases.contact import belt_speed
 from cases.contact.close_pairs import circles_around, close_pairs
 from cases.contact.element_pairs import may_touch
 from cases.contact.geometry import clearance
-from cases.contact.shapes import Ring, guess, ring_of, shapes, with_direction
+from cases.contact.shapes import Ring, guess, parameter_at, ring_of, shapes, with_direction
 from cases.curves.corner import Corner
 from cases.curves.element import Element
+from cases.curves.line_or_circle import as_line
 from cases.scene.contact_names import contact_name
 from cases.scene.couples import Couple, couples
 from cases.scene.free_plates import plates_of
+from cases.scene.plate import is_convex
 
 from .facets import visible_span
 from .pose_contact import PoseContact, cone_slope
 
 # Places that are farther apart than this part of the smaller plate do not matter.
 NEAR = 0.2
-# A corner belongs to a place if the other curve's normal is outside its angle by less than this, rad: a side that lies
-# flat is tilted by what the engine's overlap leaves, and the gap of its upper corner is known before it comes down.
+# A corner or arc has a place if the other curve's normal is outside its angle by less than this, rad: a side that lies
+# flat is tilted by what the engine's overlap leaves, and the gap of its upper end is known before that comes down.
 TILT = 0.25
+# Two elements have a place at their joint, within this part of their length, and one of both is kept.
+AT_END = 1e-9
 # Two places in one sample that are closer than this part of the smaller plate are one, as at a seam.
 ONE_PLACE = 0.05
 # Samples of a curve: so many parts of the smaller plate apart, but at least and at most so many; and distances that are
 # computed at once (80 MB).
 FINENESS, FEWEST, MOST_SAMPLES, MOST_DISTANCES = 1 / 40, 721, 20_000, 10_000_000
-# Steps of Newton's method for the foot of a point: each squares the error.
-FOOT_STEPS = 6
-# From sample to sample a contact moves along the boundary by less than this part of the smaller plate.
+# Samples of a closed outline, and steps of Newton's method from the nearest of samples: each squares the error.
+OUTLINE_SAMPLES, FOOT_STEPS = 4_001, 6
+# From sample to sample a contact moves along the boundary by less than this part of the smaller plate and the way of
+# the plate.
 STEP = 0.5
 
 
@@ -66,16 +71,19 @@ def couple_contacts(
     result = list[PoseContact]()
     for couple in couples(case):
         plate, boundary = couple.pair_name.split("/")
-        for number, place in enumerate(_followed(couple, places_of(couple, poses), len(t), clear), start=1):
+        for number, place in enumerate(
+            _followed(couple, places_of(couple, poses), _ways(couple, poses), clear), start=1
+        ):
             name = contact_name(plate, boundary, number)
             result.append(_along(couple, name, place, t, poses, rates, slip_lever))
     return result
 
 
 def size_of(couple: Couple) -> float:
-    """The radius of the largest circle in the smaller plate of a couple, m."""
-    plates = plates_of(couple.whole)
-    return min(plates[body].inner for body in (couple.body, couple.base) if body is not None)
+    """The size of the smaller plate of a couple, m: the radius of the largest circle in it; of a thin one a tenth of
+    its reach."""
+    plates = [plates_of(couple.whole)[body] for body in (couple.body, couple.base) if body is not None]
+    return min(max(plate.inner, 0.1 * plate.reach) for plate in plates)
 
 
 # --- places in each sample --------------------------------------------------------------------------------------------
@@ -89,11 +97,9 @@ def gaps_in(couple: Couple, poses: np.ndarray) -> np.ndarray:
 def places_of(couple: Couple, poses: np.ndarray) -> Places:
     """The places where plate and boundary are near, in poses (n, plates, 3) of all plates; the nearest of each sample
     first."""
-    columns = poses.reshape(len(poses), -1).T
-    pose = np.array(np.broadcast_arrays(*couple.relative_pose(columns)), dtype=float)
-    some = [np.empty((4, 0)), *_near_elements(couple, pose)]
+    some = [np.empty((4, 0)), *_near_elements(couple, _relative(couple, poses))]
     table = np.hstack(some)
-    table = table[:, np.lexsort((np.abs(table[3]), table[0]))]
+    table = table[:, np.lexsort((table[3], table[0]))]
     alone, kept, last = np.zeros(table.shape[1], dtype=bool), list[np.ndarray](), -1.0
     for number, (sample, place) in enumerate(zip(table[0].tolist(), couple.track.point(table[1]).T, strict=True)):
         kept = kept if sample == last else []
@@ -103,6 +109,12 @@ def places_of(couple: Couple, poses: np.ndarray) -> Places:
             kept.append(place)
     sample, *values = table[:, alone]
     return Places(sample.astype(int), *values)
+
+
+def _relative(couple: Couple, poses: np.ndarray) -> np.ndarray:
+    """The poses (3, n) of a couple's plate in the frame of its boundary, of those of all plates (n, plates, 3)."""
+    columns = poses.reshape(len(poses), -1).T
+    return np.array(np.broadcast_arrays(*couple.relative_pose(columns)), dtype=float)
 
 
 def _near_elements(couple: Couple, pose: np.ndarray) -> Iterator[np.ndarray]:
@@ -120,27 +132,38 @@ def _near_elements(couple: Couple, pose: np.ndarray) -> Iterator[np.ndarray]:
 
 def _of_elements(couple: Couple, first: Element, second: Element, pose: np.ndarray) -> list[np.ndarray]:
     """The places of two elements, rows as `Places` with the parameters of the whole curves."""
-    both, form, most = (first.piece, second.piece), shapes(first.piece, second.piece), NEAR * size_of(couple)
+    both, form, size = (first.piece, second.piece), shapes(first.piece, second.piece), size_of(couple)
     if form is not None:
         gap = np.asarray(form.gap(*form.centre(*pose)))
-        samples = np.flatnonzero(np.abs(gap) <= most)
+        samples = np.flatnonzero(_is_near(gap, size))
         xi1, xi2 = guess(*both, form, *pose[:, samples])
         gap = gap[samples]
     elif ring := ring_of(second.piece):
         samples, xi1, gap = _ring_on_curve(couple, first.piece, ring, pose)
         xi2 = with_direction(second.piece, first.piece.tangent_angle(xi1) - pose[2, samples])
+    elif (line := as_line(first.piece)) and second.piece.period and is_convex(second.piece):
+        xi2 = _with_tangent(second.piece, atan2(line.direction[1], line.direction[0]) - pose[2])
+        x, y = pose[:2] + turned(second.piece.point(xi2), pose[2])
+        gap = (y - line.point[1]) * line.direction[0] - (x - line.point[0]) * line.direction[1]
+        samples = np.flatnonzero(_is_near(gap, size))
+        xi1, xi2, gap = parameter_at(first.piece, x, y)[samples], xi2[samples], gap[samples]
     else:
         rows = [
             (sample, *pair)
             for sample, (x, y, theta) in enumerate(pose.T.tolist())
-            for pair in close_pairs(*both, (x, y, theta), most)
-            if pair.gap >= -most and clearance(*both, pair.xi1, pair.xi2) >= 0.0
+            for pair in close_pairs(*both, (x, y, theta), NEAR * size)
+            if _is_near(pair.gap, size) and clearance(*both, pair.xi1, pair.xi2) >= 0.0
         ]
         number, xi1, xi2, gap = np.reshape(rows, (-1, 4)).T
         samples = number.astype(int)
     (xi1, on_first), (xi2, on_second) = _on_element(first, xi1), _on_element(second, xi2)
     inside = on_first & on_second
     return [row[inside] for row in (samples, xi1, xi2, gap)]
+
+
+def _is_near(gap: Any, size: float) -> Any:
+    """Whether curves with that gap (m) are near, and no plate's middle is beyond the other curve; numbers or arrays."""
+    return (gap >= -size) & (gap <= NEAR * size)
 
 
 def _ring_on_curve(
@@ -150,13 +173,13 @@ def _ring_on_curve(
     gaps (m), from the nearest of samples of the curve."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     centre = np.array([pose[0] + c * ring.x - s * ring.y, pose[1] + s * ring.x + c * ring.y])
-    size, most = size_of(couple), NEAR * size_of(couple)
+    size = size_of(couple)
     is_endless = curve.ends is None and not curve.period
     low, high = visible_span(couple.whole) if is_endless and curve is couple.whole.track else curve.span
     length = float(np.mean(curve.speed(np.linspace(low, high, FEWEST)))) * (high - low)
     count = int(min(max(length / (FINENESS * size), FEWEST), MOST_SAMPLES))
     grid = np.asarray(curve.even(low, high, count))
-    points, far = curve.point(grid), ring.radius + most
+    points, far = curve.point(grid), ring.radius + NEAR * size
     samples, starts = list[np.ndarray](), list[np.ndarray]()
     block = max(MOST_DISTANCES // count, 1)
     for begin in range(0, centre.shape[1], block):
@@ -168,13 +191,27 @@ def _ring_on_curve(
         samples.append(begin + row)
         starts.append(grid[column])
     sample = np.concatenate(samples)
-    xi1 = feet(curve, centre[:, sample], np.concatenate(starts), float(np.max(np.diff(grid))))
+    xi1 = _feet(curve, centre[:, sample], np.concatenate(starts), float(np.max(np.diff(grid))))
     gap = np.sum((centre[:, sample] - curve.point(xi1)) * curve.normal(xi1), axis=0) - ring.radius
-    near = np.abs(gap) <= most
+    near = _is_near(gap, size)
     return sample[near], xi1[near], gap[near]
 
 
-def feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np.ndarray:
+def _with_tangent(outline: Curve, angle: np.ndarray) -> np.ndarray:
+    """The parameters (n,) at which the tangent of a closed convex outline has these angles, rad: there a line of that
+    angle touches it, by (6). Newton's method from the nearest of its samples."""
+    samples = np.linspace(*outline.span, OUTLINE_SAMPLES)
+    angles = np.unwrap(np.asarray(outline.tangent_angle(samples)))
+    target = angles[0] + (angle - angles[0]) % (2.0 * pi)
+    xi2 = np.interp(target, angles, samples)
+    for _ in range(FOOT_STEPS):
+        off = target - np.asarray(outline.tangent_angle(xi2))
+        off -= 2.0 * pi * np.round(off / (2.0 * pi))
+        xi2 = xi2 + off / (np.asarray(outline.curvature(xi2)) * np.asarray(outline.speed(xi2)))
+    return xi2
+
+
+def _feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np.ndarray:
     """The parameters (n,) of the points of a curve nearest to places (2, n), by Newton's method from the nearest of
     samples that are `width` apart."""
     xi1 = start
@@ -190,46 +227,52 @@ def feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> np
 
 
 def _on_element(element: Element, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters of an element as those of the whole curve, and which lie on it: at a corner up to TILT beyond."""
-    if element.piece.ends is None:
+    """Parameters of an element as the whole curve's, and which lie on it: of corners and arcs up to TILT beyond."""
+    piece = element.piece
+    if piece.ends is None:
         return s + element.shift, np.ones(len(s), dtype=bool)
     low, high = element.span
-    error = TILT if isinstance(element.piece, Corner) else ROUNDING_OF_ENDS * (high - low)
+    turn = 1.0 if isinstance(piece, Corner) else abs(float(piece.curvature(low) * piece.speed(low)))
+    error = TILT / turn if ring_of(piece) else AT_END * (high - low)
     return np.clip(s, low, high) + element.shift, (low - error <= s) & (s <= high + error)
-
-
-# Two elements have a place at their joint, within this part of their length, and `places_of` keeps one.
-ROUNDING_OF_ENDS = 1e-9
 
 
 # --- a place from sample to sample ------------------------------------------------------------------------------------
 
 
-def _followed(couple: Couple, near: Places, samples: int, clear: Clear) -> list[Places]:
+def _ways(couple: Couple, poses: np.ndarray) -> np.ndarray:
+    """How far (m) a point of the plate moves, as seen from the boundary, from sample to sample: the longer way of those
+    before and after each."""
+    x, y, theta = _relative(couple, poses)
+    way = np.hypot(np.diff(x), np.diff(y)) + couple.plate.reach * np.abs(np.diff(theta))
+    return np.maximum(np.append(0.0, way), np.append(way, 0.0))
+
+
+def _followed(couple: Couple, near: Places, ways: np.ndarray, clear: Clear) -> list[Places]:
     """The places of a couple that are closed at some time, over all samples, NaN where they are not near."""
     found, rows = list[np.ndarray](), len(near.sample)
     # A place is known from where it first closes; the second turn finds it before that, while it is near.
     for order, closes in ((range(rows), near.gap <= clear(near.xi1)), (range(rows)[::-1], np.zeros(rows, dtype=bool))):
-        _follow(couple, found, order, near, closes, samples)
+        _follow(couple, found, order, near, closes, ways)
     return [_of_rows(couple, near, rows) for rows in found]
 
 
 def _follow(
-    couple: Couple, found: list[np.ndarray], order: Iterable[int], near: Places, closes: np.ndarray, samples: int
+    couple: Couple, found: list[np.ndarray], order: Iterable[int], near: Places, closes: np.ndarray, ways: np.ndarray
 ) -> None:
     """Add each row of `near` in an order to the nearest contact of those `found` (the row in each sample, -1 if none),
     which has none in its sample, or to a new one if it `closes`."""
-    points, reach = couple.track.point(near.xi1).T.tolist(), STEP * size_of(couple)
+    points, reaches = couple.track.point(near.xi1).T.tolist(), (STEP * size_of(couple) + ways).tolist()
     last = [points[int(rows[rows >= 0][0])] for rows in found]
     for i in order:
         at, here = int(near.sample[i]), points[i]
         known = next((k for k, rows in enumerate(found) if rows[at] == i), None)
         if known is None:
-            free = [k for k, rows in enumerate(found) if rows[at] < 0 and dist(last[k], here) <= reach]
+            free = [k for k, rows in enumerate(found) if rows[at] < 0 and dist(last[k], here) <= reaches[at]]
             known = min(free, key=lambda k: dist(last[k], here), default=None)
         if known is None and closes[i]:
             known = len(found)
-            found.append(np.full(samples, -1))
+            found.append(np.full(len(ways), -1))
             last.append(here)
         if known is not None:
             found[known][at], last[known] = i, here

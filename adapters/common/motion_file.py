@@ -30,7 +30,7 @@ from cases.motion.mechanics import gravity
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.free_plates import POSE, names_of, plates_of
 
-from . import feature_contacts, momentum, several_contacts
+from . import contacts_from_poses, momentum, several_contacts
 from .driven_tracks import by_track
 from .flights import flights
 from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
@@ -178,7 +178,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     if not touches_twice:
         return motion
     clear = _clear(case, t)
-    rounding = feature_contacts.rounding_of(case, motion)
+    rounding = contacts_from_poses.rounding_of(case, motion)
     complete = partial(several_contacts.with_contacts, clear=lambda xi1: np.full(len(xi1), clear), rounding=rounding)
     return by_track(case, motion, complete)
 
@@ -223,8 +223,8 @@ def _by_features(case: Case, columns: dict[str, np.ndarray], creep: float) -> Tr
         for names in (POSE[:3], POSE[3:])
     )
     t = columns["t"]
-    motion = replace(feature_contacts.motion_of(case, t, poses, rates), slip_resolution=_creep(columns, creep))
-    complete = partial(feature_contacts.with_contacts, clear=_clear(case, t), slip_lever=_lever(columns))
+    motion = replace(contacts_from_poses.motion_of(case, t, poses, rates), slip_resolution=_creep(columns, creep))
+    complete = partial(contacts_from_poses.with_contacts, clear=_clear(case, t), slip_lever=_lever(columns))
     return by_track(case, motion, complete)
 
 

@@ -1,6 +1,6 @@
 """Reads motions with several contacts or plates of engines with positions at k·h and velocities half a step later.
 
-The contacts follow from the poses and from the momentum that each step adds to each plate (`feature_contacts`).
+The contacts follow from the poses and from the momentum that each step adds to each plate (`contacts_from_poses`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from cases.motion.mechanics import gravity
 from cases.scene.couples import couples
 from cases.scene.free_plates import plates_of
 
-from .feature_contacts import with_plates
+from .contacts_from_poses import with_plates
 from .step_record import StepRecord, check_rows, rates_at_poses, torsor_of, velocities_before
 
 

@@ -16,21 +16,17 @@ from cases.curves.corner import Corner
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.supports import is_hill
 
-from . import feature_contacts
 from .closed_samples import by_gap
+from .contacts_from_poses import poses_and_rates
 from .couple_contacts import couple_contacts
 from .facets import round_plate, visible_span
-from .feature_contacts import poses_and_rates
 from .pose_contact import with_columns
 
 
 def refuses(case: Case) -> str | None:
-    """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
-    return feature_contacts.refuses(case, True) if touches_by_features(case) else supports(case)
-
-
-def supports(case: Case) -> str | None:
-    """Why the contacts of such a case cannot be distinguished here, in one sentence, or None."""
+    """Why the several contacts of a plate with its track do not follow from its poses, in one sentence, or None."""
+    if case.others or case.supports or touches_by_features(case):
+        return None
     if round_plate(case) is None and not _has_corners(case):
         return "Several contacts are computed for round plates only, and for curves with corners."
     return None
@@ -68,7 +64,7 @@ def with_contacts(
     forces and parameters are then those of the first closed contact. With one closed contact its forces are the
     motion's, with more they are unknown (NaN): the momentum gives only their sum. Where none is closed the plate flies.
     """
-    if supports(case) is not None:
+    if refuses(case) is not None:
         return motion
     poses, rates = poses_and_rates(motion)
     every = couple_contacts(case, motion.t, poses, rates, clear)

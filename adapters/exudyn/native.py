@@ -2,7 +2,7 @@
 
 A round plate on one line or circle starts in equilibrium with its contact, which is read with the engine's own lever.
 All other contacts, of several plates, of supports and of corners, follow from poses and forces
-(`common.feature_contacts`). Every contact has a law of its own.
+(`common.contacts_from_poses`). Every contact has a law of its own.
 """
 
 from __future__ import annotations
@@ -13,14 +13,16 @@ from math import hypot, pi, sqrt
 import exudyn as exu
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Gravity, Load, PerfectlyRough, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Curve, Gravity, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
+from cases.curves.corner import Corner, Edge
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.contact_limits import touches_by_features
-from cases.scene.contact_pairs import pairs
+from cases.scene.contact_pairs import PairCase, pairs
 from cases.scene.free_plates import gap_of, plate_contacts, plates_of
+from cases.scene.supports import is_straight
 
-from ..common import feature_contacts
+from ..common import contacts_from_poses
 from ..common.facets import round_plate
 from ..common.one_contact import with_forces
 from ..common.starts import starts_of
@@ -39,6 +41,8 @@ from .contacts import (
 )
 from .system import ExudynSystem, HasEffects, clear_gap, static_start
 
+# Samples of a curved support at which its bend is looked at.
+CURVE_SAMPLES = 4_001
 # An impact takes some periods of the spring.
 IMPACT_PERIODS = 2.0
 
@@ -70,8 +74,31 @@ def refuses(case: Case) -> Refusal | None:
     return older_versions.contact_object("ObjectContactSphere" + ("Triangle" if as_line(case.track) else "Sphere"))
 
 
+def _refuses_pair(pair: PairCase) -> str | None:
+    """Why this model has no spheres for a pair of a support and a feature of the plate, or one place of several."""
+    outline, curve, name = pair.plate.outline, pair.track, pair.support
+    if isinstance(outline, Edge):
+        return f"A flat side may touch the hill {name!r}, and this adapter has no spheres for it."
+    circle = None if isinstance(outline, Corner) else as_circle(outline)
+    if not isinstance(outline, Corner) and circle is None:
+        return "A plate on supports is round or has corners here, and this outline is another."
+    if pair.arc_range is not None:
+        return "An arc ends at a corner or bends beyond the plate's hull, and the sphere of this adapter is whole."
+    if is_straight(curve):
+        return None
+    if not curve.period and curve.domain is None:
+        return f"Curved supports have ends or are closed here, and {name!r} is neither."
+    if pair.effect(Belt) is not None:
+        return f"Belts run on straight supports only here, and {name!r} is none."
+    bend = np.asarray(curve.curvature(np.linspace(*curve.span, CURVE_SAMPLES)))
+    # A disc that fits into a hollow curve everywhere, or lies on a hill, touches it in one place (Blaschke).
+    if not np.all(bend <= 0.0) and (bend.min() < 0.0 or (circle and bend.max() * circle.radius >= 1.0)):
+        return f"A plate may touch the support {name!r} in several places, and this adapter has a contact for one."
+    return None
+
+
 def _refuses_several(case: Case) -> Refusal | None:
-    if not case.others and (why := feature_contacts.refuses(case, with_curves=True)):
+    if why := next(filter(None, map(_refuses_pair, () if case.others else pairs(case))), None):
         return Refusal(why)
     every: list[tuple[str, Curve | None, HasEffects]] = (
         [(one.name, one.curve, one) for one in plate_contacts(case)]
@@ -154,7 +181,7 @@ def read(case: Case, setting: Setting, system: ExudynSystem) -> Trajectory:
     if any(contact.sphere.behind for contact in contacts):
         creep += corner_radius(case, setting) * float(np.abs(rates[..., 2]).max())
     impact = IMPACT_PERIODS * 2.0 * pi * sqrt(max(plate.mass for plate in plates) / setting["k"])
-    motion = feature_contacts.with_plates(
+    motion = contacts_from_poses.with_plates(
         case, tables[0][0][:, 0], poses, rates, clear_gap(case, setting), _torsor(case, contacts, system, poses),
         slip_lever=0.5, impact=impact if case.others else 0.0,
     )  # fmt: skip

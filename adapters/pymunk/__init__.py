@@ -22,6 +22,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Curve,
     Drive,
     Flight,
     Gravity,
@@ -32,8 +33,11 @@ from cases import (
     Trajectory,
     Unilateral,
 )
+from cases.curves.line_or_circle import as_line
 from cases.moving_frame import relative_case
+from cases.scene.couples import couples
 from cases.scene.free_plates import plates_of
+from cases.scene.supports import has_rolling_resistance
 
 from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..common.impacts import MOREAU, not_moreaus
@@ -59,7 +63,7 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "friction of both shapes, multiplied; here mu and 1, with supports 1 and mu, of free plates the root of mu "
-        "each; a support's own, and mu(v), are friction of the contact, set in each step",
+        "each; that of a support or a pair, and mu(v), are friction of the contact, set in each step",
         "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) at the slip velocity "
         "predicted for its middle",
         routes=("native",),
@@ -126,8 +130,10 @@ def refuses(case: Case, route: str) -> str | None:
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
         return Refusal(f"pymunk does not support {' and '.join(missing)}.", "no such attribute of pymunk.Shape")
-    friction = case.effect(CoulombFriction)
-    if friction and friction.stick != friction.at_rest:
+    if has_rolling_resistance(case):
+        return Refusal("pymunk does not support RollingResistance.", "no such attribute of pymunk.Shape")
+    frictions = [couple.effect(CoulombFriction) for couple in couples(case)]
+    if any(friction and friction.stick != friction.at_rest for friction in frictions):
         return Refusal("pymunk has one friction coefficient for slip and stick.", "Shape.friction is one number")
     impact = case.effect(Impact)
     if impact and impact.restitution > 0.0 and route == "assisted":
@@ -137,7 +143,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others or case.supports else several_contacts.refuses(case)
+    return several_contacts.refuses(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
@@ -146,12 +152,20 @@ def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
     movers = [kind.__name__ for kind in (Belt, Load, Drive) if case.effect(kind)]
-    if movers and not case.track.period and not case.track.domain and facets.track_kind(case) == "chain":
+    movers += ["further plate" for _ in case.others[:1]]
+    if movers and is_endless(case.track):
         return (
             f"pymunk's chain of segments must have ends, and a {movers[0]} may move the plate anywhere on this endless "
             "track."
         )
+    if name := next((support.name for support in case.supports if is_endless(support.curve)), ""):
+        return f"pymunk's chain of segments must have ends, and the support {name!r} has none."
     return None
+
+
+def is_endless(curve: Curve) -> bool:
+    """Whether a curve that the engine has as a chain of segments has no ends and no period."""
+    return not curve.period and not curve.domain and as_line(curve) is None
 
 
 # --- settings --------------------------------------------------------------------------------------------------------

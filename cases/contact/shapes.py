@@ -122,12 +122,12 @@ def guess(track: Piece, outline: Piece, some: Shapes, x, y, theta) -> tuple[Any,
     px, py = cx - some.moving.radius * nx, cy - some.moving.radius * ny
     if not some.from_base:  # the frame is the plate's, whose tangent is opposite to this normal's
         along = np.arctan2(nx, -ny)
-        return with_direction(track, along + theta), _parameter(outline, px, py, along)
+        return with_direction(track, along + theta), parameter_at(outline, px, py, along)
     along = np.arctan2(-nx, ny)
-    return _parameter(track, px, py, along), with_direction(outline, along - theta)
+    return parameter_at(track, px, py, along), with_direction(outline, along - theta)
 
 
-def _parameter(piece: Piece, x, y, direction) -> Any:
+def parameter_at(piece: Piece, x, y, direction=0.0) -> Any:
     """The parameter of a line nearest to a point, or that of a circle or corner whose tangent has a direction."""
     line = None if isinstance(piece, Corner) else as_line(piece)
     if line is None:

@@ -10,7 +10,7 @@ import pytest
 import cases
 import reference
 from adapters import EngineFailure, gate
-from adapters.common import feature_contacts, several_contacts
+from adapters.common import contacts_from_poses, several_contacts
 from cases import Case, Trajectory
 from cases.motion.mechanics import gravity
 from cases.scene.free_plates import names_of, plates_of
@@ -111,7 +111,7 @@ def test_a_disc_touches_twice_only_where_a_chain_has_a_hollow_corner(corners, tw
 def test_contacts_on_supports_follow_from_the_poses(label):
     case = cases.load(label)
     truth = reference.simulate(case, rtol=1e-10)
-    motion = feature_contacts.with_contacts(case, samples_of(case, truth, 1201), 1e-9)
+    motion = contacts_from_poses.with_contacts(case, samples_of(case, truth, 1201), 1e-9)
     assert motion.contact_names == tuple(sorted(truth.contact_names, key=list(motion.contact_names).index))
     for name in motion.contact_names:
         own, exact = motion.contacts[name], truth.contact_columns(name, motion.t)
@@ -130,7 +130,7 @@ def test_the_momentum_gives_the_normal_forces_of_two_corners():
     case = cases.load("sliding_box")
     truth = reference.simulate(case, rtol=1e-10)
     motion = samples_of(case, truth, 4001, 0.4)
-    found = feature_contacts.with_contacts(case, motion, 1e-9, torsor(case, motion))
+    found = contacts_from_poses.with_contacts(case, motion, 1e-9, torsor(case, motion))
     for name in truth.contact_names[:2]:
         exact = truth.contact_columns(name, motion.t)
         closed = np.isfinite(exact.slip)
@@ -195,7 +195,7 @@ def test_contacts_of_free_plates_follow_from_the_poses(label):
     inertia = np.array([(p.mass, p.mass, p.inertia if p.turns else 1.0) for p in plates_of(case)])
     forces = inertia * (np.gradient(rates, t, axis=0) + [0.0, 9.81, 0.0])
     for given in (None, forces):
-        motion = feature_contacts.with_plates(case, t, poses, rates, 1e-7, given)
+        motion = contacts_from_poses.with_plates(case, t, poses, rates, 1e-7, given)
         assert set(motion.contact_names) >= set(truth.contact_names)
         for name in truth.contact_names:
             own, exact = motion.contacts[name], truth.contact_columns(name, t)
