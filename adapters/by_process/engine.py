@@ -93,8 +93,8 @@ class Engine:
             return "A scene has no outline with corners that point inwards."
         if case.supports and case.effect(Drive) is not None:
             return "A scene has no supports that move with a driven track."
-        if bent := next((support.name for support in case.supports if not is_straight(support.curve)), ""):
-            return f"A scene has supports that are straight lines without ends, and {bent!r} is none."
+        if curve := next((support.name for support in case.supports if not is_straight(support.curve)), ""):
+            return f"A scene has supports that are straight lines without ends, and {curve!r} is none."
         return None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:

@@ -1,6 +1,6 @@
 """Contacts of plates of any shape along a motion, from poses and velocities alone.
 
-Each plate forms a couple with the track, each support, and each other plate. In every sample the places are found at
+Each plate forms a couple with the track, each support, and each other plate. In every sample there are places at
 which an element of the plate and one of the boundary are nearest; a contact is such a place, followed from sample to
 sample.
 """
@@ -33,7 +33,7 @@ from .pose_contact import PoseContact, cone_slope
 # Places that are farther apart than this part of the smaller plate do not matter.
 NEAR = 0.2
 # A corner or arc has a place if the other curve's normal is outside its angle by less than this, rad: a side that lies
-# flat is tilted by what the engine's overlap leaves, and the gap of its upper end is known before that comes down.
+# flat is tilted by what the engine's overlap leaves, and the gap of its upper end has a value before that comes down.
 TILT = 0.25
 # Two elements have a place at their joint, within this part of their length, and one of both is kept.
 AT_END = 1e-9
@@ -143,7 +143,7 @@ def _of_elements(couple: Couple, first: Element, second: Element, pose: np.ndarr
         xi2 = with_direction(second.piece, first.piece.tangent_angle(xi1) - pose[2, samples])
     elif (line := as_line(first.piece)) and second.piece.period and is_convex(second.piece):
         xi2 = _with_tangent(second.piece, atan2(line.direction[1], line.direction[0]) - pose[2])
-        x, y = pose[:2] + turned(second.piece.point(xi2), pose[2])
+        x, y = pose[:2] + rotate(second.piece.point(xi2), pose[2])
         gap = (y - line.point[1]) * line.direction[0] - (x - line.point[0]) * line.direction[1]
         samples = np.flatnonzero(_is_near(gap, size))
         xi1, xi2, gap = parameter_at(first.piece, x, y)[samples], xi2[samples], gap[samples]
@@ -250,32 +250,32 @@ def _ways(couple: Couple, poses: np.ndarray) -> np.ndarray:
 
 def _followed(couple: Couple, near: Places, ways: np.ndarray, clear: Clear) -> list[Places]:
     """The places of a couple that are closed at some time, over all samples, NaN where they are not near."""
-    found, rows = list[np.ndarray](), len(near.sample)
-    # A place is known from where it first closes; the second turn finds it before that, while it is near.
-    for order, closes in ((range(rows), near.gap <= clear(near.xi1)), (range(rows)[::-1], np.zeros(rows, dtype=bool))):
-        _follow(couple, found, order, near, closes, ways)
-    return [_of_rows(couple, near, rows) for rows in found]
+    contacts, rows = list[np.ndarray](), len(near.sample)
+    # The first turn has a contact from where it first closes on, the second one before that, while it is near.
+    for order, begins in ((range(rows), near.gap <= clear(near.xi1)), (range(rows)[::-1], np.zeros(rows, dtype=bool))):
+        _follow(couple, contacts, order, near, begins, ways)
+    return [_of_rows(couple, near, rows) for rows in contacts]
 
 
 def _follow(
-    couple: Couple, found: list[np.ndarray], order: Iterable[int], near: Places, closes: np.ndarray, ways: np.ndarray
+    couple: Couple, contacts: list[np.ndarray], order: Iterable[int], near: Places, begins: np.ndarray, ways: np.ndarray
 ) -> None:
-    """Add each row of `near` in an order to the nearest contact of those `found` (the row in each sample, -1 if none),
-    which has none in its sample, or to a new one if it `closes`."""
+    """Add each row of `near` in an order to the nearest of the `contacts` (rows by sample, -1: none) that has none in
+    its sample, or to a new one if it `begins` one."""
     points, reaches = couple.track.point(near.xi1).T.tolist(), (STEP * size_of(couple) + ways).tolist()
-    last = [points[int(rows[rows >= 0][0])] for rows in found]
+    last = [points[int(rows[rows >= 0][0])] for rows in contacts]
     for i in order:
         at, here = int(near.sample[i]), points[i]
-        known = next((k for k, rows in enumerate(found) if rows[at] == i), None)
-        if known is None:
-            free = [k for k, rows in enumerate(found) if rows[at] < 0 and dist(last[k], here) <= reaches[at]]
-            known = min(free, key=lambda k: dist(last[k], here), default=None)
-        if known is None and closes[i]:
-            known = len(found)
-            found.append(np.full(len(ways), -1))
+        number = next((k for k, rows in enumerate(contacts) if rows[at] == i), None)
+        if number is None:
+            free = [k for k, rows in enumerate(contacts) if rows[at] < 0 and dist(last[k], here) <= reaches[at]]
+            number = min(free, key=lambda k: dist(last[k], here), default=None)
+        if number is None and begins[i]:
+            number = len(contacts)
+            contacts.append(np.full(len(ways), -1))
             last.append(here)
-        if known is not None:
-            found[known][at], last[known] = i, here
+        if number is not None:
+            contacts[number][at], last[number] = i, here
 
 
 def _of_rows(couple: Couple, near: Places, rows: np.ndarray) -> Places:
@@ -300,7 +300,7 @@ def _along(
     origin = np.zeros((2, len(t)))
     if base is not None:
         origin, turn = poses[:, base, :2].T, poses[:, base, 2]
-        places, tangent = origin + turned(places, turn), turned(tangent, turn)
+        places, tangent = origin + rotate(places, turn), rotate(tangent, turn)
     normal = np.array([-tangent[1], tangent[0]])
     places = places + (1.0 - slip_lever) * place.gap * normal
     arm, base_arm = places - poses[:, body, :2].T, places - origin
@@ -314,7 +314,7 @@ def _along(
     )  # fmt: skip
 
 
-def turned(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
+def rotate(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Vectors (2, n) turned by angles (n,), rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([c * vectors[0] - s * vectors[1], s * vectors[0] + c * vectors[1]])

@@ -38,10 +38,10 @@ def play(name: str, route: str, case: Case, rung: int = -1, setting: Setting | N
 
 def off(case: Case, moved: Trajectory) -> tuple[float, float]:
     """Largest distance of a centre (m) and of an angle (rad) from the reference's, of all plates."""
-    true, far, turned = reference.simulate(case, rtol=1e-11), 0.0, 0.0
+    true, far, turn = reference.simulate(case, rtol=1e-11), 0.0, 0.0
     for name in true.plate_names:
         own = moved.plate(name) if case.others else moved
         exact = true.plate_columns(name, moved.t) if true.plate_columns else true(moved.t)
         far = max(far, float(np.hypot(own.x - exact.x, own.y - exact.y).max()))
-        turned = max(turned, float(np.abs((own.theta - own.theta[0]) - (exact.theta - exact.theta[0])).max()))
-    return far, turned
+        turn = max(turn, float(np.abs((own.theta - own.theta[0]) - (exact.theta - exact.theta[0])).max()))
+    return far, turn
