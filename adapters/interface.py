@@ -100,8 +100,11 @@ WORDS = {
 
 def has(adapter: Any, route: str, word: str) -> bool:
     """Whether a route of an adapter has a word of `WORDS`."""
-    own = getattr(adapter, word.upper().replace(" ", "_"), ())
-    return route in own or bool({word, "every scene"} & {*getattr(adapter, "CAPABILITIES", {}).get(route, ())})
+    declared = getattr(adapter, "CAPABILITIES", {}).get(route, ())
+    return any(
+        each in declared or route in getattr(adapter, each.upper().replace(" ", "_"), ())
+        for each in (word, "every scene")
+    )
 
 
 # The functions of an adapter, with the optional ones.

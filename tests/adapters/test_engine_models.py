@@ -133,7 +133,7 @@ def test_a_load_of_pymunk_has_the_velocity_of_its_pose(route):
     case = Case(line(), DISC, (G, PUSH, Flight(), load), Start(0.0, gap=5.0, slip=1.0, omega=2.0), 0.5)
     model = pymunk.build(case, route, pymunk.ladder(case, route)[0])
     pymunk.run(model)
-    velocities = 1e12 * np.array(model.drive.rows)
+    velocities = 1e12 * np.array(model.drives[0].rows)
     falls = -9.81 * model.h * np.arange(len(velocities))
     # The load itself adds 1e-10 to the velocities.
     assert velocities == pytest.approx(np.array([[0.8, v, 2.0] for v in falls]), abs=1e-9)

@@ -184,8 +184,8 @@ def test_the_engine_as_it_comes_is_the_first_rung_with_its_own_step(engine):
 
 @every_engine
 def test_what_it_was_not_told_is_refused_in_a_sentence(engine, pool):
-    found = row(pool, engine, "bouncing_disc")
-    assert found.outcome == "unsupported" and "Impact" in found.reason and found.reason.endswith(".")
+    one = row(pool, engine, "disc_rolling_to_rest")
+    assert one.outcome == "unsupported" and "RollingResistance" in one.reason and one.reason.endswith(".")
 
 
 @every_engine
