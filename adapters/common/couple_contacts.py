@@ -35,7 +35,7 @@ NEAR = 0.2
 # A corner or arc has a place if the other curve's normal is outside its angle by less than this, rad: a side that lies
 # flat is tilted by what the engine's overlap leaves, and the gap of its upper end has a value before that comes down.
 TILT = 0.25
-# Two elements have a place at their joint, within this part of their length, and one of both is kept.
+# Two elements have a place at their joint, within this part of their length, and one of both is nearer.
 AT_END = 1e-9
 # Two places in one sample that are closer than this part of the smaller plate are one, as at a seam.
 ONE_PLACE = 0.05
@@ -100,13 +100,13 @@ def places_of(couple: Couple, poses: np.ndarray) -> Places:
     some = [np.empty((4, 0)), *_near_elements(couple, _relative(couple, poses))]
     table = np.hstack(some)
     table = table[:, np.lexsort((table[3], table[0]))]
-    alone, kept, last = np.zeros(table.shape[1], dtype=bool), list[np.ndarray](), -1.0
+    alone, nearer, last = np.zeros(table.shape[1], dtype=bool), list[np.ndarray](), -1.0
     for number, (sample, place) in enumerate(zip(table[0].tolist(), couple.track.point(table[1]).T, strict=True)):
-        kept = kept if sample == last else []
+        nearer = nearer if sample == last else []
         last = sample
-        alone[number] = all(np.hypot(*(place - other)) > ONE_PLACE * size_of(couple) for other in kept)
+        alone[number] = all(np.hypot(*(place - other)) > ONE_PLACE * size_of(couple) for other in nearer)
         if alone[number]:
-            kept.append(place)
+            nearer.append(place)
     sample, *values = table[:, alone]
     return Places(sample.astype(int), *values)
 

@@ -194,16 +194,16 @@ class ContactChart:
             self.search = self.search or Meetings(self.whole)
             case, last = self.case, segment.event.time
             meeting = self.search.first(contact_view(case, self.pair, segment))
-            met = ending_at(meeting) if meeting else None
-            if meeting is None or ((met or isinstance(case, PieceCase)) and meeting.time >= last * (1.0 - END)):
+            ending = ending_at(meeting) if meeting else None
+            if meeting is None or ((ending or isinstance(case, PieceCase)) and meeting.time >= last * (1.0 - END)):
                 continue  # at the end of an element the contact meets the next one, or comes to the track's end
             for earlier in step.segments[:i]:
                 self.segments.add(earlier)
             again = partial(self.integrate, segment.phase)
             cut = until_meeting(segment, meeting, again, self.rtol, lambda last: self._body_at(last)[0])
             self.segments.add(cut)
-            if met is not None:
-                return met
+            if ending is not None:
+                return ending
             xi1 = meeting.pair.to_whole(meeting.xi1, meeting.xi2)[0]
             return self._departure(cut, meeting, second_place(meeting.time, xi1))
         return None

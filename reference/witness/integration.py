@@ -347,9 +347,9 @@ class PhaseIntegration(PlateState):
         until = min([end, *(one[0] for one in touches)])
         new = [(one[3].track, one[2].xi1) for one in touches if one[0] == until]
         places_at = partial(_curve_places, phase, dense, new)
-        met = first_end(self.ends, motion, (start, until), places_at) if self.ends and until > start else None
-        if met is not None:
-            time = self.polish(solver, dense, met[0], met[1].gap_in(phase.plates)) if met[0] > start else start
+        meeting = first_end(self.ends, motion, (start, until), places_at) if self.ends and until > start else None
+        if meeting is not None:
+            time = self.polish(solver, dense, meeting[0], meeting[1].gap_in(phase.plates)) if meeting[0] > start else start
             self.go_to(phase, time, solver.exactly(time) if time > start else dense(time))
             raise SimulationEnd("track_end")
         if not touches:
