@@ -349,7 +349,8 @@ class PhaseIntegration(PlateState):
         places_at = partial(_curve_places, phase, dense, new)
         meeting = first_end(self.ends, motion, (start, until), places_at) if self.ends and until > start else None
         if meeting is not None:
-            time = self.polish(solver, dense, meeting[0], meeting[1].gap_in(phase.plates)) if meeting[0] > start else start
+            time, touch_of_end = meeting
+            time = self.polish(solver, dense, time, touch_of_end.gap_in(phase.plates)) if time > start else start
             self.go_to(phase, time, solver.exactly(time) if time > start else dense(time))
             raise SimulationEnd("track_end")
         if not touches:
