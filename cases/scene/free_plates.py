@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import atan2, hypot, pi
+from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,14 +17,11 @@ from .. import effects as all_effects
 from ..contact.outline_features import is_arc
 from ..contact.overlap_search import OVERLAPS, overlaps
 from ..contact.polygon_features import (
-    Region,
     TouchCircle,
     circles,
     is_polygon,
     local_centre,
-    place_in_region,
-    region_of,
-    regions,
+    polygon_distance,
     size_of_plate,
 )
 from ..curves import Curve
@@ -65,8 +62,7 @@ class FreePlate:
 class PlateContact(NamedTuple):
     """A contact that plates may have: its name, the number of its plate (0: the case's plate), that of the plate on
     whose boundary it lies or that support's line, the effects between them, and the circle of its plate that touches:
-    a disc or a corner. Of the plate on whose boundary it lies: the radius of a disc, m, or the regions around a
-    polygon."""
+    a disc or a corner. Of the plate on whose boundary it lies: the radius of a disc, m, or the corners of a polygon."""
 
     name: str
     body: int
@@ -76,7 +72,7 @@ class PlateContact(NamedTuple):
     effects: tuple[Effect, ...]
     circle: TouchCircle
     base_radius: float = 0.0
-    around: tuple[Region, ...] = ()
+    around: tuple[TouchCircle, ...] = ()
 
     def effect(self, kind: type[E]) -> E | None:
         """The effect of that kind, or None."""
@@ -143,22 +139,10 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
         for other in range(body):
             own, base = (body, other) if plates[body].radius is not None else (other, body)
             (circle,) = circles(plates[own])
-            name, size, around = f"{names[own]}/{names[base]}", size_of_plate(plates[base]), regions(plates[base])
+            name, size = f"{names[own]}/{names[base]}", size_of_plate(plates[base])
+            around = circles(plates[base]) if plates[base].radius is None else ()
             contacts.append(PlateContact(name, own, base, None, None, effects_at(case, name), circle, size, around))
     return tuple(contacts)
-
-
-def parameter(outline: Curve, angle):
-    """The parameter of a circle about the origin at a polar angle, number or array."""
-    first, rate = _angle_of(outline)
-    return (angle - first) / rate
-
-
-@lru_cache(maxsize=256)
-def _angle_of(outline: Curve) -> tuple[float, float]:
-    """(a, b) of a circle about the origin, run through evenly: its polar angle at the parameter s is a + b s."""
-    x, y = outline.point(0.0)
-    return atan2(y, x), 2.0 * pi / (outline.period or 2.0 * pi)
 
 
 def start_poses(case: Any) -> np.ndarray:
@@ -187,8 +171,7 @@ def gap_of(contact: PlateContact, poses: np.ndarray | list[list[float]]) -> floa
     if contact.base is not None:
         base, around = poses[contact.base], contact.around
         if around:
-            u, v = local_centre(base, x, y)
-            return float(place_in_region(around[int(region_of(around, u, v))], u, v, radius)[0])
+            return polygon_distance(around, *map(float, local_centre(base, x, y))) - radius
         return hypot(x - float(base[0]), y - float(base[1])) - radius - contact.base_radius
     line = contact.line
     assert line is not None
