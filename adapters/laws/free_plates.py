@@ -10,7 +10,18 @@ from math import cos, sin, sqrt, tan
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Flight, FreePlate, Gravity, Impact, Plate, StartPose, Unilateral
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Pair,
+    Plate,
+    StartPose,
+    Unilateral,
+)
 from cases.effects import Effect
 
 from .effects import RESTITUTION
@@ -18,9 +29,11 @@ from .runs import LawRun, Steps, law
 from .scenes import LEVEL, Draw
 
 
-def _two_discs(d: Draw, restitution: float, *friction: CoulombFriction) -> tuple[Case, float, float, float]:
+def _two_discs(
+    d: Draw, restitution: float, *friction: CoulombFriction, pair: CoulombFriction | None = None
+) -> tuple[Case, float, float, float]:
     """A disc that meets another one in flight, high above the track, and its speed (m/s), the height of both centres
-    (m) and the time (s) at which they meet."""
+    (m) and the time (s) at which they meet; `pair`: the friction of both discs, if it is not that of the others."""
     radii, g = (d.between(0.08, 0.12), d.between(0.13, 0.2)), d.g()
     first, second = d.disc(radii[0]), d.disc(radii[1])
     gap, speed = d.between(0.4, 0.6) * radii[0], d.signed(1.0, 2.0) * sqrt(g * radii[0])
@@ -31,12 +44,13 @@ def _two_discs(d: Draw, restitution: float, *friction: CoulombFriction) -> tuple
         # Twice the spin that friction would stop: it slips through the whole impact.
         impulse = abs(speed) / (1.0 / first.mass + 1.0 / second.mass)
         levers = 1.0 / first.mass + 1.0 / second.mass + _lever(first) ** 2 + _lever(second) ** 2
-        spin = 2.0 * d.signed(1.0, 1.5) * friction[0].mu * impulse * levers / radii[0]
+        spin = 2.0 * d.signed(1.0, 1.5) * (pair or friction[0]).mu * impulse * levers / radii[0]
     far = np.sign(speed) * (sum(radii) + gap)
     other = FreePlate(second, StartPose(float(far), high), "second")
     effects: tuple[Effect, ...] = (Gravity(g), Unilateral(), Flight(), Impact(restitution, "moreau"), *friction)
     start = StartPose(0.0, high, vx=speed, omega=spin)
-    return Case(LEVEL, first, effects, start, duration=1.8 * meets, others=(other,)), speed, high, meets
+    pairs = (Pair("second/plate", (pair,)),) if pair else ()
+    return Case(LEVEL, first, effects, start, 1.8 * meets, others=(other,), pairs=pairs), speed, high, meets
 
 
 def _lever(plate: Plate) -> float:
@@ -85,7 +99,18 @@ def _gravity(case: Case) -> float:
 def friction_of_free_plates(d: Draw) -> Steps:
     """A spinning disc meets another in flight: friction takes μ of the impulse, with opposite forces on both."""
     mu = d.mu(0.1, 0.3)
-    case, speed, _, meets = _two_discs(d, 0.0, CoulombFriction(mu))
+    yield from _friction(mu, *_two_discs(d, 0.0, CoulombFriction(mu)))
+
+
+@law("friction of a pair")
+def friction_of_a_pair(d: Draw) -> Steps:
+    """The same of two materials with a coefficient of their own: it is that of the pair, not a mean or a product of
+    those of both discs against other bodies."""
+    mu = d.mu(0.1, 0.3)
+    yield from _friction(mu, *_two_discs(d, 0.0, CoulombFriction(0.4 * mu), pair=CoulombFriction(mu)))
+
+
+def _friction(mu: float, case: Case, speed: float, high: float, meets: float) -> Steps:
     run = yield case
     plates = case.plate, case.others[0].plate
     impulse = abs(speed) / (1.0 / plates[0].mass + 1.0 / plates[1].mass)
