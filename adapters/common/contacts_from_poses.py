@@ -65,7 +65,7 @@ def with_contacts(
     """
     plates = plates_of(case)
     poses, rates = poses_and_rates(motion)
-    some = couple_contacts(case, motion.t, poses, rates, lambda xi1: np.full(len(xi1), clear), slip_lever)
+    some = couple_contacts(case, motion.t, poses, rates, lambda xi1: np.full(len(xi1), clear), clear, slip_lever)
     if not some and not case.others:
         return motion
     closed, rounding = [one.gap <= clear for one in some], rounding_of(case, motion)

@@ -63,16 +63,22 @@ Clear = Callable[[np.ndarray], np.ndarray]
 
 
 def couple_contacts(
-    case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, clear: Clear, slip_lever: float = 0.0
+    case: Case,
+    t: np.ndarray,
+    poses: np.ndarray,
+    rates: np.ndarray,
+    clear: Clear,
+    widest: float,
+    slip_lever: float = 0.0,
 ) -> list[PoseContact]:
     """The contacts of all couples of a case along a motion, those of one couple numbered in the order in which they
-    first close; poses and rates (n, plates, 3). The engine's friction acts at the share `slip_lever` of the gap from
-    the plate that is named first."""
+    first close; poses and rates (n, plates, 3). `widest`: the largest of the `clear` gaps, m. The engine's friction
+    acts at the share `slip_lever` of the gap from the plate that is named first."""
     result = list[PoseContact]()
     for couple in couples(case):
         plate, boundary = couple.pair_name.split("/")
         for number, place in enumerate(
-            _followed(couple, places_of(couple, poses), _ways(couple, poses), clear), start=1
+            _followed(couple, places_of(couple, poses, widest), _ways(couple, poses), clear), start=1
         ):
             name = contact_name(plate, boundary, number)
             result.append(_along(couple, name, place, t, poses, rates, slip_lever))
@@ -94,10 +100,22 @@ def gaps_in(couple: Couple, poses: np.ndarray) -> np.ndarray:
     return places_of(couple, poses[None]).gap
 
 
-def places_of(couple: Couple, poses: np.ndarray) -> Places:
-    """The places where plate and boundary are near, in poses (n, plates, 3) of all plates; the nearest of each sample
-    first."""
-    some = [np.empty((4, 0)), *_near_elements(couple, _relative(couple, poses))]
+class Gaps(NamedTuple):
+    """The gaps (m) with which places matter: no plate's middle is beyond the other's curve, nor are they far apart."""
+
+    low: float
+    high: float
+
+    def holds(self, gap: Any) -> Any:
+        """Whether a gap is one of them, a number or an array."""
+        return (gap >= self.low) & (gap <= self.high)
+
+
+def places_of(couple: Couple, poses: np.ndarray, widest: float = 0.0) -> Places:
+    """The places where plate and boundary are near, in poses (n, plates, 3) of all plates, with gaps up to `widest` (m)
+    at least; the nearest of each sample first."""
+    gaps = Gaps(-size_of(couple), max(NEAR * size_of(couple), widest))
+    some = [np.empty((4, 0)), *_near_elements(couple, gaps, _relative(couple, poses))]
     table = np.hstack(some)
     table = table[:, np.lexsort((table[3], table[0]))]
     alone, nearer, last = np.zeros(table.shape[1], dtype=bool), list[np.ndarray](), -1.0
@@ -117,42 +135,42 @@ def _relative(couple: Couple, poses: np.ndarray) -> np.ndarray:
     return np.array(np.broadcast_arrays(*couple.relative_pose(columns)), dtype=float)
 
 
-def _near_elements(couple: Couple, pose: np.ndarray) -> Iterator[np.ndarray]:
+def _near_elements(couple: Couple, gaps: Gaps, pose: np.ndarray) -> Iterator[np.ndarray]:
     """The places of each two elements that touch, rows as `Places`."""
     u, v, radius = circles_around(couple.track)
     for first in couple.track.elements:
         far = np.hypot(u[first.number] - pose[0], v[first.number] - pose[1])
-        near = np.flatnonzero(far <= radius[first.number] + couple.plate.reach + NEAR * size_of(couple))
+        near = np.flatnonzero(far <= radius[first.number] + couple.plate.reach + gaps.high)
         for second in couple.plate.outline.elements if len(near) else ():
             both = first.piece, second.piece
             if not all(isinstance(piece, Corner) for piece in both) and may_touch(*both):
-                samples, *values = _of_elements(couple, first, second, pose[:, near])
+                samples, *values = _of_elements(couple, gaps, first, second, pose[:, near])
                 yield np.array([near[samples], *values])
 
 
-def _of_elements(couple: Couple, first: Element, second: Element, pose: np.ndarray) -> list[np.ndarray]:
+def _of_elements(couple: Couple, gaps: Gaps, first: Element, second: Element, pose: np.ndarray) -> list[np.ndarray]:
     """The places of two elements, rows as `Places` with the parameters of the whole curves."""
-    both, form, size = (first.piece, second.piece), shapes(first.piece, second.piece), size_of(couple)
+    both, form = (first.piece, second.piece), shapes(first.piece, second.piece)
     if form is not None:
         gap = np.asarray(form.gap(*form.centre(*pose)))
-        samples = np.flatnonzero(_is_near(gap, size))
+        samples = np.flatnonzero(gaps.holds(gap))
         xi1, xi2 = guess(*both, form, *pose[:, samples])
         gap = gap[samples]
     elif ring := ring_of(second.piece):
-        samples, xi1, gap = _ring_on_curve(couple, first.piece, ring, pose)
+        samples, xi1, gap = _ring_on_curve(couple, gaps, first.piece, ring, pose)
         xi2 = with_direction(second.piece, first.piece.tangent_angle(xi1) - pose[2, samples])
     elif (line := as_line(first.piece)) and second.piece.period and is_convex(second.piece):
         xi2 = _with_tangent(second.piece, atan2(line.direction[1], line.direction[0]) - pose[2])
         x, y = pose[:2] + rotate(second.piece.point(xi2), pose[2])
         gap = (y - line.point[1]) * line.direction[0] - (x - line.point[0]) * line.direction[1]
-        samples = np.flatnonzero(_is_near(gap, size))
+        samples = np.flatnonzero(gaps.holds(gap))
         xi1, xi2, gap = parameter_at(first.piece, x, y)[samples], xi2[samples], gap[samples]
     else:
         rows = [
             (sample, *pair)
             for sample, (x, y, theta) in enumerate(pose.T.tolist())
-            for pair in close_pairs(*both, (x, y, theta), NEAR * size)
-            if _is_near(pair.gap, size) and clearance(*both, pair.xi1, pair.xi2) >= 0.0
+            for pair in close_pairs(*both, (x, y, theta), gaps.high)
+            if gaps.holds(pair.gap) and clearance(*both, pair.xi1, pair.xi2) >= 0.0
         ]
         number, xi1, xi2, gap = np.reshape(rows, (-1, 4)).T
         samples = number.astype(int)
@@ -161,13 +179,8 @@ def _of_elements(couple: Couple, first: Element, second: Element, pose: np.ndarr
     return [row[inside] for row in (samples, xi1, xi2, gap)]
 
 
-def _is_near(gap: Any, size: float) -> Any:
-    """Whether curves with that gap (m) are near, and no plate's middle is beyond the other curve; numbers or arrays."""
-    return (gap >= -size) & (gap <= NEAR * size)
-
-
 def _ring_on_curve(
-    couple: Couple, curve: Curve, ring: Ring, pose: np.ndarray
+    couple: Couple, gaps: Gaps, curve: Curve, ring: Ring, pose: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The places where a circle or corner of a plate is nearest to a curve, in poses (3, n): samples, parameters and
     gaps (m), from the nearest of samples of the curve."""
@@ -179,7 +192,7 @@ def _ring_on_curve(
     length = float(np.mean(curve.speed(np.linspace(low, high, FEWEST)))) * (high - low)
     count = int(min(max(length / (FINENESS * size), FEWEST), MOST_SAMPLES))
     grid = np.asarray(curve.even(low, high, count))
-    points, far = curve.point(grid), ring.radius + NEAR * size
+    points, far = curve.point(grid), ring.radius + gaps.high
     samples, starts = list[np.ndarray](), list[np.ndarray]()
     block = max(MOST_DISTANCES // count, 1)
     for begin in range(0, centre.shape[1], block):
@@ -193,7 +206,7 @@ def _ring_on_curve(
     sample = np.concatenate(samples)
     xi1 = _feet(curve, centre[:, sample], np.concatenate(starts), float(np.max(np.diff(grid))))
     gap = np.sum((centre[:, sample] - curve.point(xi1)) * curve.normal(xi1), axis=0) - ring.radius
-    near = _is_near(gap, size)
+    near = gaps.holds(gap)
     return sample[near], xi1[near], gap[near]
 
 

@@ -22,6 +22,9 @@ from .couple_contacts import couple_contacts
 from .facets import round_plate, visible_span
 from .pose_contact import with_columns
 
+# Samples of a track at which its bend is looked at.
+TRACK_SAMPLES = 2_001
+
 
 def refuses(case: Case) -> str | None:
     """Why the several contacts of a plate with its track do not follow from its poses, in one sentence, or None."""
@@ -49,7 +52,7 @@ def may_touch_twice(case: Case) -> bool:
         return _has_corners(case)
     if any(isinstance(one.piece, Corner) and one.piece.turn > 0.0 for one in track.elements):
         return True
-    bend = track.curvature(np.linspace(*visible_span(case), 2001))
+    bend = track.curvature(np.linspace(*visible_span(case), TRACK_SAMPLES))
     return bool(np.max(bend) * circle.radius >= 1.0)
 
 
@@ -67,7 +70,9 @@ def with_contacts(
     if refuses(case) is not None:
         return motion
     poses, rates = poses_and_rates(motion)
-    every = couple_contacts(case, motion.t, poses, rates, clear)
+    bounds = clear(np.linspace(*visible_span(case), TRACK_SAMPLES))
+    widest = float(np.max(bounds, where=np.isfinite(bounds), initial=0.0))
+    every = couple_contacts(case, motion.t, poses, rates, clear, widest)
     if len(every) < 2:
         return motion
     closed = [one.gap <= clear(one.xi1) for one in every]
