@@ -174,7 +174,8 @@ def _of_elements(couple: Couple, gaps: Gaps, first: Element, second: Element, po
         ]
         number, xi1, xi2, gap = np.reshape(rows, (-1, 4)).T
         samples = number.astype(int)
-    (xi1, on_first), (xi2, on_second) = _on_element(first, xi1), _on_element(second, xi2)
+    xi1, on_first = _on_element(first, xi1, isinstance(first.piece, Corner))
+    xi2, on_second = _on_element(second, xi2, ring_of(second.piece) is not None)
     inside = on_first & on_second
     return [row[inside] for row in (samples, xi1, xi2, gap)]
 
@@ -239,14 +240,15 @@ def _feet(track: Curve, place: np.ndarray, start: np.ndarray, width: float) -> n
     return xi1
 
 
-def _on_element(element: Element, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters of an element as the whole curve's, and which lie on it: of corners and arcs up to TILT beyond."""
+def _on_element(element: Element, s: np.ndarray, turns: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters of an element as the whole curve's, and which lie on it; if it `turns`, as a corner or an arc of
+    the plate, up to TILT beyond."""
     piece = element.piece
     if piece.ends is None:
         return s + element.shift, np.ones(len(s), dtype=bool)
     low, high = element.span
-    turn = 1.0 if isinstance(piece, Corner) else abs(float(piece.curvature(low) * piece.speed(low)))
-    error = TILT / turn if ring_of(piece) else AT_END * (high - low)
+    rate = 1.0 if isinstance(piece, Corner) else abs(float(piece.curvature(low) * piece.speed(low)))
+    error = TILT / rate if turns else AT_END * (high - low)
     return np.clip(s, low, high) + element.shift, (low - error <= s) & (s <= high + error)
 
 

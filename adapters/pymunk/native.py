@@ -305,7 +305,8 @@ def surfaces_in_steps(case: Case) -> dict[tuple[int, int], StepSurface]:
     surfaces = {}
     for couple in couples(case):
         effects = couple.effects
-        is_shapes = belt_runs_as_shapes(case) if couple.track is case.track else _runs_evenly(effects)
+        is_track = couple.pair_name.endswith(f"/{TRACK}")
+        is_shapes = belt_runs_as_shapes(case) if is_track else _runs_evenly(effects)
         belt = None if is_shapes else one(effects, Belt)
         surfaces[types_of(couple)] = StepSurface(belt, _coefficient(effects), _coefficients(effects)[1])
     return {types: each for types, each in surfaces.items() if each.belt or each.coefficient}

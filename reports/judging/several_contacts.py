@@ -112,13 +112,15 @@ def same_contacts(motion: Trajectory, truth: Trajectory) -> dict[str, str]:
 
     By name where both touch a support, or another plate, in one contact. Further contacts there are numbered in the
     order in which they close, which may differ: a contact is then that of the same support whose place there is
-    nearest, on average while it is closed.
+    nearest, on average while both are closed, or while each is if they never are at one time.
     """
     names, others = truth.contact_names, motion.contact_names
     numbered = {_support(name) for each in (names, others) for name in _repeated(each)}
     partners = {name: name if name in others and _support(name) not in numbered else "" for name in names}
-    true, own = ({n: x for n, x in _places(one).items() if _support(n) in numbered} for one in (truth, motion))
-    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own if _support(a) == _support(b))
+    true, own = (
+        {n: x for n, x in _places(one, motion.t).items() if _support(n) in numbered} for one in (truth, motion)
+    )
+    pairs = sorted((_apart(true[a], own[b]), a, b) for a in true for b in own if _support(a) == _support(b))
     for _, a, b in pairs:
         if not partners[a] and b not in partners.values():
             partners[a] = b
@@ -136,14 +138,21 @@ def _repeated(names: Sequence[str]) -> list[str]:
     return [name for name in names if supports.count(_support(name)) > 1]
 
 
-def _places(motion: Trajectory) -> dict[str, float]:
-    """The mean contact parameter of each contact while it is closed."""
+def _places(motion: Trajectory, times: np.ndarray) -> dict[str, np.ndarray]:
+    """The parameter of each contact at these times, NaN while it is open, of those that are closed at one."""
     places = {}
-    for name, columns in motion.contacts.items():
-        closed = np.isfinite(columns.slip)
-        if closed.any():
-            places[name] = float(np.mean(columns.xi1[closed]))
+    for name in motion.contact_names:
+        columns = motion.contact_columns(name, times) if motion.contact_columns else motion.contacts[name]
+        place = np.where(np.isfinite(columns.slip), columns.xi1, np.nan)
+        if np.isfinite(place).any():
+            places[name] = place
     return places
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> float:
+    """The mean distance of two contacts' parameters at the times at which both are closed, else of their means."""
+    both = np.isfinite(one) & np.isfinite(other)
+    return float(np.mean(np.abs(one - other)[both])) if both.any() else abs(float(np.nanmean(one) - np.nanmean(other)))
 
 
 def only(motion: Trajectory, name: str) -> Trajectory:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from math import cos, inf, pi
@@ -358,6 +359,13 @@ def test_a_motion_is_near_the_reference_and_nearer_at_finer_settings(row):
     assert fine[0] < row.most and (row.most == inf or fine[1] * case.plate.reach < 10.0 * row.most)
     if row.share < inf:
         assert fine[0] < max(row.share * off(case, play(name, route, case, row.coarse))[0], 1e-9)
+
+
+def test_a_case_from_another_process_has_the_same_motion():
+    """Its curves are equal to those of a case that is there already, not the same: its belt ran nowhere."""
+    case = cases.load("box_off_conveyor")
+    motions = [play("pymunk", "native", one, 2) for one in (case, pickle.loads(pickle.dumps(case)))]
+    np.testing.assert_array_equal(*(motion.x for motion in motions))
 
 
 # The finer rung, and the error of the velocity (m/s) allowed there: twice to five times what was measured.
