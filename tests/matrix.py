@@ -191,8 +191,8 @@ def summary(column: str, status: int | None, said: str) -> str:
         return f"still running after {LIMIT:.0f} s"
     counts = re.findall(r"^(?:=+ )?((?:\d+ \w+(?:, )?)+) in [\d.]+s", said, flags=re.M)
     if counts:
-        failed = [f": `{test}`" for test in re.findall(r"^(?:FAILED|ERROR) (\S+)", said, flags=re.M)]
-        return re.sub(r", \d+ (deselected|warnings?)", "", counts[-1]) + "".join(failed[:1])
+        failed = ", ".join(f"`{test}`" for test in re.findall(r"^(?:FAILED|ERROR) (\S+)", said, flags=re.M))
+        return re.sub(r", \d+ (deselected|warnings?)", "", counts[-1]) + (f": {failed}" if failed else "")
     if status:
         return f"failed (exit status {status})"
     return {"True": "yes", "False": "no"}.get(said.strip(), "passed") if column == "heyoka" else "passed"

@@ -52,8 +52,12 @@ class Meetings:
         meeting = _first_of(self.searches, view, poses, edges)
         if end is None or meeting is None:
             return meeting or end
-        is_before = meeting.time < end.time * (1.0 - TIE) or _is_beside(end, meeting.pair, meeting.xi1)
-        return meeting if is_before else end
+        if meeting.time < end.time * (1.0 - TIE):
+            return meeting
+        # A side that falls flat across a joint meets both curves and both their ends at one instant.
+        number = couple_of(end.pair).number
+        own = _first_of([one for one in self.searches if one.couple.number == number], view, poses, edges)
+        return meeting if own is not None and _is_beside(end, own.pair, own.xi1) else end
 
     def past_of(self, state: Sequence[float], resting: frozenset[int]) -> Callable[[Sequence[float]], bool]:
         """Whether a plate is, in the variables of a phase, beyond a line or circle from which it is apart in a state of
@@ -152,11 +156,15 @@ class EndSearch(CoupleSearch):
         return []
 
     def _is_in_view(self, view: SegmentView, meeting: ElementMeeting, also_flat: bool = True) -> bool:
-        """Whether a contact of the curve itself is there, or, `also_flat`, a side lies flat on both."""
+        """Whether a contact of the plate is at that place, or, `also_flat`, a side lies flat on the end's own curve."""
         time, least = np.array([meeting.time]), SAME_PLACE * self.couple.plate.reach
         return any(
-            view.gap(k, time)[0] <= least and _is_beside(meeting, pair, view.points(k, time)[0, 0], also_flat)
-            for k, pair in super()._in_view(view)
+            couple.body == self.couple.body
+            and couple.base is None
+            and view.gap(k, time)[0] <= least
+            and _is_beside(meeting, pair, view.points(k, time)[0, 0], also_flat and couple.number == self.couple.number)
+            for k, pair in enumerate(view.pairs)
+            for couple in (couple_of(pair),)
         )
 
 
@@ -167,7 +175,7 @@ def ending_at(meeting: ElementMeeting) -> Ending | None:
 
 
 def _is_beside(end: ElementMeeting, pair: PieceCase, xi1: float, also_flat: bool = True) -> bool:
-    """Whether a contact of a curve is at the end that its plate meets, or, `also_flat`, has the same direction."""
+    """Whether a contact is at the end of a curve that its plate meets, or, `also_flat`, has the same direction."""
     off = np.abs(place_on_track(pair, xi1) - place_on_track(end.pair, end.xi1))
     is_there = off[:2].max() <= SAME_PLACE or (also_flat and off[2:].max() <= SAME_PLACE)
-    return bool(is_there) and couple_of(pair).number == couple_of(end.pair).number
+    return bool(is_there)

@@ -336,6 +336,7 @@ FREE_PLATES = [
     ("inertia of free plates that of the first", RUBBING, "inertia of each",
      lambda case: _of_others(lambda o: replace(o, plate=replace(o.plate, inertia=case.plate.inertia)))(case)),
     ("mu of two discs multiplied", RUBBING, MU, effect(CoulombFriction, lambda e: CoulombFriction(e.mu**2))),
+    ("a pair rubs as the others do", "friction_of_a_pair", MU, lambda case: replace(case, pairs=())),
     ("restitution of two discs multiplied", COLLISION, E,
      effect(Impact, lambda e: replace(e, restitution=e.restitution**2))),
     ("a pile without friction between plates", "pile_of_free_plates", "the way of",

@@ -90,7 +90,7 @@ def test_all_environments_and_the_part_of_them_that_every_commit_gets():
         (
             ("sh", "-c", "printf 'FAILED t.py::a - x\\nFAILED t.py::b\\n2 failed in 0.1s\\n'; exit 1"),
             False,
-            "2 failed: `t.py::a`",
+            "2 failed: `t.py::a`, `t.py::b`",
         ),
         (("sh", "-c", "echo $HOME >&2; exit 4"), False, "failed (exit status 4)"),
     ],

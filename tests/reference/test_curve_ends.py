@@ -156,10 +156,11 @@ TIES = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("tie", TIES)
-def test_a_contact_at_the_end_of_its_curve_is_no_meeting_with_that_end(tie):
+def test_a_contact_at_the_end_of_its_curve_is_no_meeting_with_that_end(tie, method):
     status, reason, count, scene = TIES[tie]
-    motion = reference.simulate(scene, method="dop853")
+    motion = reference.simulate(scene, method=method)
     assert (motion.status, len(motion.transitions)) == (status, count) and motion.reason.startswith(reason)
     assert reference.check(scene, motion) == ()
 
