@@ -71,7 +71,7 @@ def impacts_of_samples(
     times = [time_of(impacts[0].time) for impacts in at_once]
     for impacts, time in zip(at_once, times, strict=True):
         span = max([-inf, *(t for t in times if t < time)]), min([inf, *(t for t in times if t > time)])
-        ends = samples.beside(case, impacts, time, span) if case.effect(Drive) is None else None
+        ends = samples.ends(case, impacts, time, span) if case.effect(Drive) is None else None
         if ends is None:
             results += [ContactImpulse(time, name, nan, nan, nan) for one in impacts for name in one.contacts]
             continue
@@ -107,7 +107,7 @@ class _PlateSamples(NamedTuple):
         closures = {name: np.isfinite(of.slip) for name, of in motion.contacts.items()}
         return cls(motion.t, rates, blank, closures)
 
-    def beside(
+    def ends(
         self, case: Case, impacts: list[_TouchingPlates], time: float, span: tuple[float, float]
     ) -> tuple[int, int] | None:
         """The last sample before the impacts of a time and the first one after them, within `span` (s), between the

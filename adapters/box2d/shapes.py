@@ -222,7 +222,7 @@ def add_plate(
     """Add a circle, a polygon, or a fan of polygons with `count` corners on its rim; triangles if the outline is not
     convex."""
     define = pyb2d3.shape_def(material=material)
-    circle = as_circle(plate.outline) if plate.outline.period else None
+    circle = facets.whole_circle(plate.outline)
     if circle:
         body.create_shape(define, pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius))
         return

@@ -19,9 +19,6 @@ from .closed_samples import by_gap, from_first_to_last, ranges, touching
 from .couple_contacts import couple_contacts
 from .pose_contact import ROUNDING, forces_of, pushing, with_columns
 
-# Samples of a curved support.
-TRACK_SAMPLES = 4_001
-
 
 def with_plates(
     case: Case,

@@ -35,7 +35,7 @@ NEAR = 0.2
 # A corner or arc has a place if the other curve's normal is outside its angle by less than this, rad: a side that lies
 # flat is tilted by what the engine's overlap leaves, and the gap of its upper end has a value before that comes down.
 TILT = 0.25
-# Two elements have a place at their joint, within this part of their length, and one of both is nearer.
+# Two elements have a place at their joint, within this part of their length, and one of both is kept.
 AT_END = 1e-9
 # Two places in one sample that are closer than this part of the smaller plate are one, as at a seam.
 ONE_PLACE = 0.05
@@ -93,11 +93,6 @@ def size_of(couple: Couple) -> float:
 
 
 # --- places in each sample --------------------------------------------------------------------------------------------
-
-
-def gaps_in(couple: Couple, poses: np.ndarray) -> np.ndarray:
-    """The gaps (m) of the places where plate and boundary are near, in one pose of all plates (plates, 3)."""
-    return places_of(couple, poses[None]).gap
 
 
 class Gaps(NamedTuple):
@@ -185,8 +180,7 @@ def _ring_on_curve(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The places where a circle or corner of a plate is nearest to a curve, in poses (3, n): samples, parameters and
     gaps (m), from the nearest of samples of the curve."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    centre = np.array([pose[0] + c * ring.x - s * ring.y, pose[1] + s * ring.x + c * ring.y])
+    centre = pose[:2] + rotate(np.array([[ring.x], [ring.y]]), pose[2])
     size = size_of(couple)
     is_endless = curve.ends is None and not curve.period
     low, high = visible_span(couple.whole) if is_endless and curve is couple.whole.track else curve.span

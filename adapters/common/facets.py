@@ -80,7 +80,12 @@ def fixed_chain(case: Case, curve: Curve, count: int, behind: float = 0.0) -> tu
 
 def round_plate(case: Case) -> Circle | None:
     """The outline as a circle, about the centre of mass or not; None if it is no circle."""
-    return as_circle(case.plate.outline) if case.plate.outline.period else None
+    return whole_circle(case.plate.outline)
+
+
+def whole_circle(outline: Curve) -> Circle | None:
+    """A closed curve as a circle; None if it is no circle."""
+    return as_circle(outline) if outline.period else None
 
 
 @lru_cache(maxsize=64)

@@ -7,7 +7,7 @@ from cases.scene.couples import couples
 from cases.scene.free_plates import plates_of, size_of, start_poses
 from cases.scene.start_pose import TOUCHES
 
-from .couple_contacts import gaps_in
+from .couple_contacts import places_of
 
 # The law of engines that solve for the velocities at a step's end.
 MOREAU = "Moreau's (Newton's restitution, and Coulomb's law on the velocity after the impact)"
@@ -33,4 +33,4 @@ def plates_touch(case: Case) -> bool:
     poses = start_poses(case)
     least = TOUCHES * size_of(poses, tuple(plate.reach for plate in plates_of(case)))
     of_plates = [couple for couple in couples(case) if couple.base is not None]
-    return any((gaps_in(couple, poses[:, :3]) <= least).any() for couple in of_plates)
+    return any((places_of(couple, poses[None, :, :3]).gap <= least).any() for couple in of_plates)

@@ -52,6 +52,7 @@ from ..common.facets import (
     round_plate,
     stretch,
     track_kind,
+    whole_circle,
 )
 from ..common.starts import starts_of
 from ..interface import Setting
@@ -379,14 +380,13 @@ def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
 
 def needs_corners(plate: Plate) -> bool:
     """Whether the engine has a plate by corners that are not its own: it is no disc, no segment and no polygon."""
-    is_round = bool(as_circle(plate.outline) and plate.outline.period)
-    return not is_round and not as_line(plate.outline) and not is_polygon(plate)
+    return not whole_circle(plate.outline) and not as_line(plate.outline) and not is_polygon(plate)
 
 
 def _plate_shapes(plate: Plate, body: pymunk.Body, setting: Setting, more: float) -> list[pymunk.Shape]:
     """A plate's shapes; the radius of a disc is larger by `more` (m)."""
     outline = plate.outline
-    circle = as_circle(outline) if outline.period else None
+    circle = whole_circle(outline)
     if circle:
         x, y = circle.centre
         return [pymunk.Circle(body, circle.radius + more, (float(x), float(y)))]

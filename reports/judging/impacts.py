@@ -80,8 +80,8 @@ def _in_order(ledger_rows: Iterable[LedgerRow]) -> list[tuple[str, float, float]
 
 class ImpulseRow(NamedTuple):
     """What a contact does in an impact of the truth, and in that impact of a motion: times in s, impulses along normal
-    and tangent in N s, work in J. NaN where the motion does not have the impact, where its velocities beside it are not
-    known, or where velocities do not determine the impulse."""
+    and tangent in N s, work in J. NaN where the motion does not have the impact, where its velocities next to it are
+    not known, or where velocities do not determine the impulse."""
 
     contact: str
     time: float
