@@ -16,6 +16,7 @@ from cases.moving_frame import in_track_frame, relative_case
 from cases.scene.free_plates import loads_of, plates_of
 
 from .laws_check import laws
+from .laws_check.ends_check import before_start, begins_with_impact
 from .laws_check.impact_check import groups_of, places_of_impact
 from .laws_check.samples import of_motion, steps_of
 from .laws_check.tolerances import POSE
@@ -147,9 +148,11 @@ def _impacts(case: Case, motion: Trajectory, rtol: float) -> Iterator[_TouchingP
         samples = of_motion(relative, motion if relative is case else in_track_frame(motion), start, end)
         scales = laws.motion_scales(samples, POSE)
         sudden = laws.jumps(laws.joins(samples), scales.reach, scales.speed, laws.sudden_part(scales, rtol))
-    for time, step in zip(sudden.times.tolist(), sudden.steps.tolist(), strict=True):
+        first = [(0.0, 0)] if begins_with_impact(samples, scales, rtol) else []
+    for time, step in [*first, *zip(sudden.times.tolist(), sudden.steps.tolist(), strict=True)]:
         with np.errstate(all="ignore"):
-            before, after = plates_at(samples, step - 1, -1), plates_at(samples, step, 0)
+            before = plates_at(samples, step - 1, -1) if step else before_start(samples)
+            after = plates_at(samples, step, 0)
             groups = groups_of(places_of_impact(samples, scales, before, step, time, rtol))
         for group in groups:
             rows = np.array([row for one in group for row in (one.across, one.along)])

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import cases
 from cases import CaseError, lookup
+from cases.files.command_line import label
 
 from . import options
 from .options import BuildPlan
@@ -141,9 +142,9 @@ def _build(plan: BuildPlan) -> int:
     lacking = _without_truth(experiment) + (_run_by_nobody(experiment) if plan.is_selection else [])
     lacking = lacking or _nothing_ran(experiment)
     for sentence in lacking:
-        _say(f"{COMMAND}: {sentence}")
+        _say(f"{label(COMMAND)}: {sentence}")
     if calls.interruptions:
-        _say(f"{COMMAND}: {lost_text(calls.interruptions)}")
+        _say(f"{label(COMMAND)}: {lost_text(calls.interruptions)}")
     return 3 if lacking else 0
 
 

@@ -32,6 +32,11 @@ def program(command: str) -> str:
     return f"{PROGRAMS.get().get(module, f'python -m {module}')} {rest}".strip()
 
 
+def label(command: str) -> str:
+    """A command's name before its messages: "slip-to-roll sweep", or its module."""
+    return program(command).removeprefix("python -m ")
+
+
 # What --log-level accepts: messages of that kind and of those after it are printed.
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
@@ -63,8 +68,11 @@ class Parser(argparse.ArgumentParser):
         """Raise UnknownName for an unknown option, BadValue for anything else."""
         stray = message.removeprefix("unrecognized arguments: ")
         if stray != message:
+            word = (stray.split() or [""])[0]
+            if word and not word.startswith("-"):
+                raise BadValue(f"{word!r} is one argument too many; see {self.prog} --help")
             options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
-            raise unknown_name("option", (stray.split() or [""])[0], options)
+            raise unknown_name("option", word, options)
         raise BadValue(f"{message}; see {self.prog} --help")
 
 
@@ -74,6 +82,7 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
     It is the result of `work`, or 0; 2 for an invalid request, 1 if files cannot be read or written, 130 on Ctrl-C. An
     error is printed in one line.
     """
+    name = label(command)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # so that no character makes a command fail
@@ -81,16 +90,16 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
     try:
         with _inert_streams(), _terminable() as terminations:
             try:
-                return _status(command, work, list(sys.argv[1:] if argv is None else argv))
+                return _status(name, work, list(sys.argv[1:] if argv is None else argv))
             finally:
                 code = 143 if terminations else 130
     except KeyboardInterrupt as stop:
         owned_folder.remove_partials()
-        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
+        print(f"\n{name}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
         return code
 
 
-def _status(command: str, work: Callable[[list[str]], int | None], words: list[str]) -> int:
+def _status(name: str, work: Callable[[list[str]], int | None], words: list[str]) -> int:
     """The same, except for Ctrl-C."""
     try:
         _check_address_space()
@@ -101,10 +110,10 @@ def _status(command: str, work: Callable[[list[str]], int | None], words: list[s
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE if hasattr(signal, "SIGPIPE") else 1
     except CaseError as problem:
-        print(f"{command}: {problem}", file=sys.stderr)
+        print(f"{name}: {problem}", file=sys.stderr)
         return 2
     except OSError as problem:
-        print(f"{command}: {problem}", file=sys.stderr)
+        print(f"{name}: {problem}", file=sys.stderr)
         return 1
 
 

@@ -87,6 +87,8 @@ class _FormulaReader:
                 return _OPERATIONS[type(node.op)](self.read(node.left, depth + 1), self.read(node.right, depth + 1))
             case ast.Compare() if self._time is not None:
                 return self._steps(node, self._time, depth + 1)
+            case ast.BoolOp() | ast.UnaryOp(op=ast.Not()) if self._time is not None:
+                return self._truth(node, self._time, depth)
             case ast.IfExp() if self._time is not None:
                 is_so, *both = (self.read(part, depth + 1) for part in (node.test, node.body, node.orelse))
                 return is_so * both[0] + (1 - is_so) * both[1]
@@ -95,6 +97,18 @@ class _FormulaReader:
             case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
                 raise _FormulaError(f"gives {name} other than one argument; give it one")
         raise _FormulaError(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
+
+    def _truth(self, node: ast.expr, time: sp.Symbol, depth: int) -> sp.Expr:
+        """Comparisons of time that are combined by and, or, not, as 1 or 0."""
+        match node:
+            case ast.Compare():
+                return self._steps(node, time, depth + 1)
+            case ast.UnaryOp(op=ast.Not()):
+                return 1 - self._truth(node.operand, time, depth + 1)
+            case ast.BoolOp():
+                parts = [self._truth(value, time, depth + 1) for value in node.values]
+                return sp.Mul(*parts) if isinstance(node.op, ast.And) else 1 - sp.Mul(*(1 - part for part in parts))
+        raise _FormulaError("combines other than comparisons by and, or, not; write a product or a sum")
 
     def _steps(self, node: ast.Compare, time: sp.Symbol, depth: int) -> sp.Expr:
         """Comparisons of time, such as 0.2 < t <= 0.5, as 1 or 0."""

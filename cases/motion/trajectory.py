@@ -491,8 +491,8 @@ class Trajectory:
         """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.
 
         `factor`: seconds of the motion in a second of film (None: a round number for a film of a few seconds);
-        `quantity`: the column of State drawn next to it. Raises BadValue if the case is not
-        known, its track moves, or it has several plates.
+        `quantity`: the column of State drawn next to it. Forces and mode are those of the first contact. Raises
+        BadValue if the case is not known, or its track moves.
         """
         from ..pictures.animation import Animation
 
@@ -501,10 +501,6 @@ class Trajectory:
         if self._is_driven:
             raise BadValue(
                 "a film has one place of the track; give cases.moving_frame.in_track_frame(motion).animate()"
-            )
-        if len(self.plate_names) > 1:
-            raise BadValue(
-                "a film shows one plate; motion.plot() draws several, and motion.plate(name) has their poses"
             )
         return Animation(self, self.case.scene, self.case.weight, factor, quantity)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import floor, log10
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,10 @@ from matplotlib import animation as movies
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from ..curves import Curve
 from ..errors import BadValue, choice, positive
 from ..files.owned_folder import atomic_path
+from ..scene.contact_names import TRACK
 from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
 from .plots import LABELS, MODE_WORDS, first_contact, mark_transitions
@@ -83,7 +85,8 @@ class Animation:
         state = motion(times)
         figure = Picture(figsize=(7.0, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
-        _room(left, scene, np.array([state.x, state.y]), state.xi1)
+        others = layout.free_plates(motion.case, motion, times, np.ones(len(times)))
+        _room(left, scene, np.array([state.x, state.y]), state.xi1, others)
         values = getattr(state, self._quantity)
         right.plot(times, values, color=FAINT, linewidth=1.0)
         right.set(xlabel="time / s" + self._speed(), ylabel=LABELS[self._quantity])
@@ -91,12 +94,15 @@ class Animation:
         first = first_contact(motion)
         mark_transitions(right, first.transitions, first.first_mode, times[[0, -1]], 190.0)
         left.set_title(scene.label, loc="left", fontweight="bold")
-        moving = _Moving(left, right, scene)
+        moving = _Moving(left, right, scene, _curve_of_first_contact(motion, scene))
+        bodies = [_Body(left, other) for other, _ in others]
         size = float(np.ptp(scene.corners(), axis=1).max())
         scale = _ARROW * size / self._weight if self._weight else 0.0
 
         def show(time: float) -> None:
             now = motion(time)
+            for body, (_, (at,)) in zip(bodies, layout.free_plates(motion.case, motion, [time], [1.0]), strict=True):
+                body.show(at)
             moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(first, time))
 
         show(float(times[0]))
@@ -105,14 +111,28 @@ class Animation:
         return figure, show
 
 
-class _Moving:
-    """The parts of the picture that change from frame to frame."""
+class _Body:
+    """A plate with a spoke, in the picture of the scene."""
 
-    def __init__(self, left: Any, right: Any, scene: DrawnScene):
+    def __init__(self, left: Any, scene: DrawnScene):
         self._scene = scene
         (self._body,) = left.fill([0], [0], facecolor=(PLATE, 0.25), edgecolor=PLATE, linewidth=1.2)
         (self._spoke,) = left.plot([], [], color=PLATE, linewidth=1.2)
         (self._rim,) = left.plot([], [], "o", color=PLATE, markersize=4)
+
+    def show(self, at: Any) -> None:
+        corners, spoke = layout.place_outline(self._scene, at)
+        self._body.set_xy(corners.T)
+        self._spoke.set_data(*spoke)
+        self._rim.set_data(*spoke[:, 1:])
+
+
+class _Moving:
+    """The parts of the picture that change from frame to frame, but for free plates; `curve` has the contact whose
+    forces are drawn, None where it is a plate's outline."""
+
+    def __init__(self, left: Any, right: Any, scene: DrawnScene, curve: Curve | None):
+        self._body, self._curve = _Body(left, scene), curve
         (self._touch,) = left.plot([], [], "o", color=FORCE, markersize=4)
         (self._normal,) = left.plot([], [], color=FORCE, linewidth=1.8)
         (self._friction,) = left.plot([], [], color=FORCE, linewidth=1.8)
@@ -121,22 +141,31 @@ class _Moving:
         (self._here,) = right.plot([], [], "o", color=PLATE, markersize=5)
 
     def show(self, now: Any, time: float, value: float, scale: float, mode: str | None) -> None:
-        corners, spoke = layout.place_outline(self._scene, now)
-        self._body.set_xy(corners.T)
-        self._spoke.set_data(*spoke)
-        self._rim.set_data(*spoke[:, 1:])
-        touching = np.isfinite(now.xi1)
-        place = self._scene.track.point(now.xi1) if touching else np.array([np.nan, np.nan])
-        self._touch.set_data(*place[:, None])
-        for arrow, force, along in (
-            (self._normal, now.normal_force, self._scene.track.normal),
-            (self._friction, now.friction_force, self._scene.track.tangent),
-        ):
-            tip = place + scale * force * along(now.xi1) if touching else place
-            arrow.set_data(*np.column_stack([place, tip]))
+        self._body.show(now)
+        if self._curve is not None:
+            self._show_forces(self._curve, now, scale)
         self._word.set_text(MODE_WORDS[mode] if mode else "")
         self._cursor.set_xdata([time, time])
         self._here.set_data([time], [value])
+
+    def _show_forces(self, curve: Curve, now: Any, scale: float) -> None:
+        touching = np.isfinite(now.xi1)
+        place = curve.point(now.xi1) if touching else np.array([np.nan, np.nan])
+        self._touch.set_data(*place[:, None])
+        for arrow, force, along in (
+            (self._normal, now.normal_force, curve.normal),
+            (self._friction, now.friction_force, curve.tangent),
+        ):
+            tip = place + scale * force * along(now.xi1) if touching else place
+            arrow.set_data(*np.column_stack([place, tip]))
+
+
+def _curve_of_first_contact(motion: Any, scene: DrawnScene) -> Curve | None:
+    """The track or support of the contact that a motion's own columns are of; None if it is a plate's outline."""
+    if not motion.contact_names:
+        return scene.track
+    boundary = motion.contact_names[0].partition("/")[2].partition(" ")[0]
+    return {TRACK: scene.track, **scene.supports}.get(boundary)
 
 
 def _mode_at(motion: Any, time: float) -> str | None:
@@ -147,13 +176,14 @@ def _mode_at(motion: Any, time: float) -> str | None:
     return mode
 
 
-def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> None:
-    """Draw track and supports, and set the axes so that they contain the plate at all times."""
+def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray, others: Sequence[Any]) -> None:
+    """Draw track and supports, and set the axes so that they contain the plate, and the others, at all times."""
     curves = layout.drawn_curves(scene, path, xi1)
     for points in curves:
         ax.plot(*points, color="black", linewidth=1.6)
     X, Y = np.hstack(curves)
-    reach = float(np.hypot(*scene.corners()).max())
+    reach = max(float(np.hypot(*one.corners()).max()) for one in (scene, *(other for other, _ in others)))
+    path = np.hstack([path, *([[at.x for at in poses], [at.y for at in poses]] for _, poses in others)])
     room = 0.3 * reach
     ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)
     ax.set_ylim(min(Y.min(), path[1].min() - reach) - room, max(Y.max(), path[1].max() + reach) + room)

@@ -22,10 +22,10 @@ class Start:
     """Where and how the plate touches its track at time zero.
 
     `xi1`, `xi2`: contact parameters on track and outline (xi2=None: such that θ = 0); `slip`: slip velocity along
-    the track's unit tangent in m/s; `omega`: angular velocity in rad/s. A start off the track (Flight): `gap`, the
-    distance in m of the outline's point from the track's along the track's left normal, their tangents parallel;
-    `gap_rate`, the velocity in m/s of the outline's point along that normal (negative with gap = 0: it begins with an
-    impact).
+    the track's unit tangent in m/s; `omega`: angular velocity in rad/s, counter-clockwise. A start off the track
+    (Flight): `gap`, the distance in m of the outline's point from the track's along the track's left normal, their
+    tangents parallel; `gap_rate`, the velocity in m/s of the outline's point along that normal (negative with gap = 0:
+    it begins with an impact).
     """
 
     xi1: float
@@ -65,7 +65,8 @@ class Start:
     def _check_effects(self, kinds: tuple[type, ...]) -> None:
         if (self.gap > 0.0 or self.gap_rate > 0.0) and Flight not in kinds:
             raise BadValue(
-                "gap and gap_rate of Start begin off the track; add Flight to the effects or leave them at 0"
+                f"the plate begins off the track (gap {self.gap:.3g} m, gap_rate {self.gap_rate:.3g} m/s); "
+                "add Flight to the effects or start it on the track"
             )
         if self.gap == 0.0 and self.gap_rate < 0.0 and Impact not in kinds:
             raise BadValue(

@@ -26,7 +26,7 @@ TOUCHES = 1e-12
 
 @dataclass(frozen=True)
 class StartPose:
-    """The plate's pose and velocities at time zero: centre of mass (m), angle (rad), m/s, rad/s.
+    """The plate's pose and velocities at time zero: centre of mass (m), angle (rad, counter-clockwise), m/s, rad/s.
 
     They are those of the fixed frame, also where a Belt or a Drive moves the track. A case stores it as the `Start` of
     the nearest point of the track: in contact if the gap is rounding, else off the track, which needs Flight. Raises

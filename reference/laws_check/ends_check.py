@@ -29,7 +29,7 @@ from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
 from .meetings import meetings
 from .next_motion import Consistent, NextMotions, next_motions
-from .samples import CLOSE, MotionSamples, law_at
+from .samples import CLOSE, MotionSamples, PlateSamples, law_at
 from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP, TOUCHES
 from .touches import TouchNow, is_at_joint, plates_at, row_of, touch, touches_at
 
@@ -56,37 +56,56 @@ def _one(law: str, place: str, t: float, size: float, scale: float, unit: str, f
 def start_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> Iterator[Defects]:
     """The motion begins where and as the case says."""
     case, plates = samples.case, plates_at(samples, 0, 0)
-    start, law = case.start, law_at(case, CONTACT)
-    xi2 = start.xi2
-    if xi2 is None:
+    start, one = case.start, _start_touch(samples)
+    if start.xi2 is None:
         yield _one("angle of the start", "plate", 0.0, abs(float(plates.angle[0])), 1.0, "rad", 1e-13)
-        xi2 = level_parameter(case.track, case.plate.outline, start.xi1)
-    one = touch(case, law, Mode.FLIGHT, plates, start.xi1, xi2, 0.0)
     off = abs(one.gap - start.gap * 1j * one.tangent)
-    yield _one("place of the start", law.name, 0.0, off, scales.extent, "m", 1e-12)
+    yield _one("place of the start", one.law.name, 0.0, off, scales.extent, "m", 1e-12)
     for i, other in enumerate(case.others, start=1):
         pose = other.start
         assert isinstance(pose, StartPose)
         far = abs(plates.place[i] - complex(pose.x, pose.y))
         yield _one("place of the start", other.name, 0.0, far, scales.extent, "m", 1e-12)
-    yield from _first_velocities(samples, scales, one, rtol)
+    yield from _first_velocities(samples, scales, rtol)
 
 
-def _first_velocities(samples: MotionSamples, scales: MotionScales, one: TouchNow, rtol: float) -> Iterator[Defects]:
-    """The velocities are those of the case's start, or these have changed by an impact."""
-    case, start, law, plates = samples.case, samples.case.start, one.law, plates_at(samples, 0, 0)
-    belt = float(law.belt.at(0.0)[0]) if law.belt else 0.0
+def _start_touch(samples: MotionSamples) -> TouchNow:
+    """Where the case's start has its contact, or the points between which it gives the gap."""
+    case, start = samples.case, samples.case.start
+    xi2 = level_parameter(case.track, case.plate.outline, start.xi1) if start.xi2 is None else start.xi2
+    return touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates_at(samples, 0, 0), start.xi1, xi2, 0.0)
+
+
+def before_start(samples: MotionSamples) -> PlateSamples:
+    """The plates at the start with the velocities that the case gives them: before an impact, if there is one."""
+    case, start, one, plates = samples.case, samples.case.start, _start_touch(samples), plates_at(samples, 0, 0)
+    belt = float(one.law.belt.at(0.0)[0]) if one.law.belt else 0.0
     spins = np.array([start.omega, *(other.start.omega for other in case.others)])
     lever = one.point + one.gap - plates.place[0]
     first = one.tangent * complex(start.slip + belt, start.gap_rate) - 1j * start.omega * lever
     velocities = np.array([first, *(complex(other.start.vx, other.start.vy) for other in case.others)])
-    off = np.abs(plates.velocity - velocities) + np.array(scales.reach) * np.abs(plates.spin - spins)
-    floor = SLIP + AMPLIFICATION * float(scales.condition[0])
-    if case.effect(Impact) is not None and off.max() > (floor + PARTS * rtol) * scales.speed:
-        before = plates._replace(velocity=velocities, spin=spins)
-        yield from impact_at(samples, scales, (before, plates), 0, 0.0, rtol)
+    return plates._replace(velocity=velocities, spin=spins)
+
+
+def jump_at_start(samples: MotionSamples, scales: MotionScales) -> np.ndarray:
+    """By how much the velocity of each plate at the start is another one than the case's, m/s."""
+    before, after = before_start(samples), plates_at(samples, 0, 0)
+    return np.abs(after.velocity - before.velocity) + np.array(scales.reach) * np.abs(after.spin - before.spin)
+
+
+def begins_with_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
+    """Whether velocities have changed by an impact at the start."""
+    least = SLIP + AMPLIFICATION * float(scales.condition[0]) + PARTS * rtol
+    return samples.case.effect(Impact) is not None and jump_at_start(samples, scales).max() > least * scales.speed
+
+
+def _first_velocities(samples: MotionSamples, scales: MotionScales, rtol: float) -> Iterator[Defects]:
+    """The velocities are those of the case's start, or these have changed by an impact."""
+    if begins_with_impact(samples, scales, rtol):
+        yield from impact_at(samples, scales, (before_start(samples), plates_at(samples, 0, 0)), 0, 0.0, rtol)
         return
-    for name, size in zip(names_of(case), off.tolist(), strict=True):
+    floor = SLIP + AMPLIFICATION * float(scales.condition[0])
+    for name, size in zip(names_of(samples.case), jump_at_start(samples, scales).tolist(), strict=True):
         yield _one("velocity of the start", name, 0.0, size, scales.speed, "m/s", floor)
 
 

@@ -38,7 +38,7 @@ def parser() -> Parser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0, 1 if a proof is incomplete, 2 for invalid arguments."""
-    return status("reference", _run, argv)
+    return status(COMMAND if COMMAND in PROGRAMS.get() else "reference", _run, argv)
 
 
 def _run(argv: list[str]) -> int:

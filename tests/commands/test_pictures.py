@@ -16,6 +16,7 @@ from adapters.common.motion_file import trajectory_of
 from cases import BadValue, UnknownName
 from cases.pictures import animation, plots
 from cases.pictures.layout import CORNERS
+from cases.pictures.style import FORCE
 from reports import animate
 
 CASE = cases.load("disc_in_circle", mu=0.2)
@@ -107,6 +108,29 @@ def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 2)
     with Image.open(film.save(tmp_path / "film.gif")) as pictures:
         assert pictures.n_frames == int(film.seconds * 2)
+
+
+@pytest.mark.parametrize("name", ["dominoes", "disc_on_free_disc", "stack_of_boxes", "box_off_conveyor"])
+def test_a_film_shows_every_plate_and_the_force_where_it_acts(name):
+    motion = reference.simulate(cases.load(name))
+    figure, show = motion.animate()._frames()
+    left = figure.axes[0]
+    for time in (0.0, 0.9 * motion.t[-1]):
+        show(time)
+        centres = [[body.get_xy()[:, i].min() + body.get_xy()[:, i].max() for i in range(2)] for body in left.patches]
+        poses = [motion.plate(plate)(time) for plate in motion.plate_names]
+        # The outlines are symmetric about their centres of mass.
+        assert 0.5 * np.array(centres) == pytest.approx(np.array([[p.x, p.y] for p in poses]), abs=0.02)
+        (low, high), (bottom, top) = left.get_xlim(), left.get_ylim()
+        assert all(low < p.x < high and bottom < p.y < top for p in poses)
+    now = motion(0.9 * motion.t[-1])
+    touches = [line.get_xydata() for line in left.lines if line.get_marker() == "o" and line.get_color() == FORCE]
+    boundary = {"track": motion.case.track, **motion.case.scene.supports}.get(
+        motion.contact_names[0].split("/")[1].split()[0]
+    )
+    drawn = touches[0] if len(touches[0]) and np.isfinite(touches[0]).all() else None
+    exact = boundary.point(now.xi1) if boundary is not None and np.isfinite(now.xi1) else None
+    assert (drawn is None) == (exact is None) and (drawn is None or drawn[0] == pytest.approx(exact, abs=1e-12))
 
 
 def test_what_cannot_be_filmed_is_told_in_a_sentence(tmp_path, monkeypatch, capsys):

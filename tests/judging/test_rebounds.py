@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from adapters import Setting
+from adapters import Setting, pymunk
 from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Load, Mode, Start, Trajectory, Unilateral, disc
 from cases.library import line
 from reports.judging import impacts
@@ -92,3 +92,21 @@ def test_the_reference_has_its_own_impulses():
     own, listed = [one.normal for one in run.impulses], [e for e in coarse.transitions if e.cause == "impact"]
     # The last impact of a spell of bouncing is no transition.
     assert own[: len(listed)] == [one.normal for one in coarse.impacts[: len(listed)]] and len(listed) > 8
+
+
+def test_impulses_from_velocities_are_the_engines_own():
+    """Where a disc touches in impacts only, what pymunk's contacts have done between two samples is the impulse of its
+    velocities."""
+    case = cases.load("rebound_with_spin")
+    truth = find_truth(case)
+    setting = pymunk.ladder(case, "native")[2]
+    model, own = pymunk.build(case, "native", setting), list[tuple[float, float]]()
+    if not hasattr(model.space, "on_collision"):
+        pytest.skip("pymunk before 7 has no on_collision")
+    model.space.on_collision(post_solve=lambda arbiter, *_: own.append(arbiter.total_impulse))
+    pymunk.run(model)
+    row = Run(case.label, "pymunk", "native", setting, 2, outcome="")
+    run = judge(row, case, pymunk.read(model), true_motion(case, truth.method), truth)
+    read = [(one.friction, one.normal) for one in run.impulses]
+    assert len(read) == 2 and np.array(read) == pytest.approx(np.array(own), rel=1e-9, abs=1e-12)
+    assert read[0][1] != pytest.approx(run.impulses[0].reference_normal, rel=1e-3)

@@ -57,6 +57,22 @@ def test_friction_of_an_oblique_impact_slides_or_grips():
     assert grips.friction == pytest.approx(-m * 0.3 / 3, rel=ROUNDING) and abs(grips.normal) > speed
 
 
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("mu, sticks", [(0.4, True), (0.1, False)])
+def test_a_motion_that_begins_with_an_impact_has_its_impulse(mu, sticks, method):
+    # Backspin of 30 rad/s: the slip of 6 m/s needs 2 N s to vanish, as a third of it is the disc's own velocity.
+    r, e = 0.1, 0.9
+    effects = (Gravity(G), CoulombFriction(mu), Unilateral(), Flight(), Impact(e))
+    case = Case(library.line(), disc(r, 1.0), effects, StartPose(0.0, r, vx=3.0, vy=-4.0, omega=30.0), 0.1)
+    motion = reference.simulate(case, method=method)
+    (impact,), (change,) = motion.impacts, motion.transitions
+    friction = -2.0 if sticks else -mu * 4.0 * (1 + e)
+    assert (impact.normal, impact.friction) == pytest.approx((4.0 * (1 + e), friction), rel=ROUNDING)
+    slips = 6.0, 6.0 + 3.0 * friction
+    assert impact.work == pytest.approx(-8.0 * (1 - e**2) + friction * np.mean(slips), rel=ROUNDING)
+    assert motion.impulse_at(change) == impact and reference.check(case, motion) == ()
+
+
 def test_a_box_that_lands_flat_has_one_friction_for_both_corners():
     case = falls(Plate.rectangle(0.4, 0.2, 1.0), 0.3, 0.0, x_rate=5.0)
     ends = impulses(case)

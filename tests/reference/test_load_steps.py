@@ -31,11 +31,12 @@ from .test_belts_and_supports import METHODS, motion_by
 
 G, MU, PUSH, AT = 9.81, 0.3, 5.0, 0.5
 T = effects.MOTION[0]
-# The same push from 0.5 s to 1 s, in six ways.
+# The same push from 0.5 s to 1 s.
 PUSHES = (
     f"{PUSH}*({AT} < t)*(t <= 1)",
     f"{PUSH}*({AT} < t < 1)",
     f"{PUSH} if {AT} < t < 1 else 0",
+    f"{PUSH}*({AT} < t and not (t < 0 or t >= 1))",
     sp.Piecewise((0, T < AT), (PUSH, T < 1), (0, True)),
     PUSH * (sp.Heaviside(T - AT) - sp.Heaviside(T - 1)),
     sp.Piecewise((PUSH, (T > AT) & ~(T >= 1)), (0, True)),
