@@ -185,11 +185,11 @@ def search_limit_ending(t: float) -> Ending:
     )
 
 
-def combination_limit_ending(t: float, names: Sequence[str], count: int, most: int) -> Ending:
-    """The ending if so many contacts touch together that their modes are not enumerated."""
+def combination_limit_ending(t: float, names: Sequence[str]) -> Ending:
+    """The ending if so many contacts touch together that not all of their modes are tried."""
     return WORK_LIMIT, (
-        f"{', '.join(names)} touch together at t = {t:.9g} s: {count} combinations of modes, more than the {most} that "
-        "are tried."
+        f"{', '.join(names)} touch together at t = {t:.9g} s and have more combinations of modes than are tried; give "
+        "fewer plates, or no friction where it matters least."
     )
 
 

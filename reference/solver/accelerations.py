@@ -21,6 +21,7 @@ from ..minimal.integrators.segment import Segment
 from ..scales import EPS, STILL, slip_error
 from . import forces
 from .exclusion import TOGETHER, solve_stack
+from .mode_program import OPEN, STICKS, ContactRates
 from .places import ContactPlace, plates_in, sharing
 from .plate_numbers import Sides, Turns, bodies, load_at, load_scale, rigid_pairs, rows_of, speed, turning_row
 from .regimes import Guides
@@ -31,9 +32,7 @@ SAME = 1e-7
 VIOLATED = 1e-6
 # Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
 OTHER = 1e-3
-# Of the modes: the sign of a slip; 0 for a contact without friction.
-_OPEN, _STICKS = 3, 2
-_KINDS = {Mode.FLIGHT: _OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, _STICKS) | SLIP_SIGN
+KINDS = {Mode.FLIGHT: OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, STICKS) | SLIP_SIGN
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
 
@@ -137,6 +136,15 @@ class GroupRows:
         self.after = np.triu(self.shared, 1)
         self.begins = np.array([abs(at.slip(velocity, now.time)) <= now.still for at in contacts])
 
+    def rates(self) -> ContactRates | None:
+        """What forces do just after the instant; None with effects of the user's own, which depend on modes."""
+        if laws(self.now.case).own:
+            return None
+        free, nothing = self.rows @ self.now.load + self.biases, np.zeros(self.count)
+        stick, mu = np.where(self.is_bounded, self.stick, inf), np.where(self.is_bounded, self.mu, inf)
+        delassus = self.rows * self.some.inverse @ self.rows.T
+        return ContactRates(delassus, free, nothing, stick, mu, self.arms, self.begins, self.now.scale)
+
     def answers(
         self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]
     ) -> Iterator[tuple[tuple[Mode, ...], Turns, GroupAccelerations | None]]:
@@ -148,8 +156,8 @@ class GroupRows:
 
     def _together(self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]):
         n, now, some, inverse = self.count, self.now, self.some, self.some.inverse
-        kinds = np.array([[_KINDS[mode] for mode in modes] for modes, _ in combinations])
-        closed, sticking, signs = kinds != _OPEN, kinds == _STICKS, np.where(np.abs(kinds) == 1, kinds, 0)
+        kinds = np.array([[KINDS[mode] for mode in modes] for modes, _ in combinations])
+        closed, sticking, signs = kinds != OPEN, kinds == STICKS, np.where(np.abs(kinds) == 1, kinds, 0)
         holders = sticking & ~(sticking @ self.after)
         senses = np.array([[dict(turns).get(sides, nan) for sides in self.pairs] for _, turns in combinations])
         holds = senses.reshape(len(kinds), -1) == 0.0

@@ -11,7 +11,8 @@ that. Where one plate touches in one place, Routh's construction of `minimal.imp
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations, islice, product
+from itertools import combinations as pairs_of
+from itertools import islice
 from math import inf, nan
 from typing import NamedTuple
 
@@ -37,11 +38,14 @@ from .impact_modes import (
     in_modes,
     senses_of_least,
 )
+from .mode_program import OPEN as OPENS
+from .mode_program import STICKS, ContactRates, combinations
 from .places import ContactPlace, couple_of
 from .plate_numbers import Sides, Turns, bodies, senses_of, turning_row
 
 # The modes of all contacts, the senses of the rotations that they resist, and of the friction of least impulses.
 ImpactCombination = tuple[tuple[str, ...], Turns, LeastSenses]
+_KINDS = {OPEN: OPENS, STICK: STICKS, FORWARD: 1, BACKWARD: -1}
 
 
 class NoImpact(ArithmeticError):
@@ -93,15 +97,19 @@ def _collide(
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    alike = _with_one_slip(inertia, places_hit, law)
+    law, known = law._replace(gyration=inertia.lengths[2]), set[tuple]()
+    alike, hit = _with_one_slip(inertia, places_hit, law), _Hit.of(before, places_hit, law)
+
+    def kind(k: int, mode: str) -> int:
+        return _KINDS[mode] if law.mu[k] or mode == OPEN else 0
+
     possible = (
-        (modes, turns, senses) for modes in product(*options)
+        (modes, turns, senses) for modes in combinations(hit.rates(inertia, law, speed), options, kind)
         if all(modes[i] == modes[j] or OPEN in (modes[i], modes[j]) for i, j in alike)
         for turns in _turns(modes, places_hit, law)
         for senses in senses_of_least(modes, law)
     )  # fmt: skip
-    law, known = law._replace(gyration=inertia.lengths[2]), set[tuple]()
-    for modes, turns, senses in _possible(possible, inertia, before, places_hit, law, speed):
+    for modes, turns, senses in _possible(possible, inertia, hit, law, speed):
         if (modes, turns) in known:
             continue
         some = in_modes(modes, before, places_hit, law._replace(turns=turns), senses, inertia.inverse, speed)
@@ -116,24 +124,49 @@ def _collide(
     return solutions[0]
 
 
-def _possible(
-    modes: Iterator[ImpactCombination], inertia: Inertia, before: np.ndarray, places_hit: Sequence[TouchedContact],
-    law: ImpactLaw, speed: float,
-) -> Iterator[ImpactCombination]:  # fmt: skip
-    """The combinations, with the senses of resisted rotations and of the friction of least impulses, that their
-    impulses and velocities do not exclude."""
-    while some := list(islice(modes, TOGETHER)):
-        resisting = list(dict.fromkeys(sides for _, turns, _ in some for sides, _ in turns))
+class _Hit(NamedTuple):
+    """What all combinations of an impact's modes share: the rotations that n contacts resist, the rows (2n + r, 3N) of
+    lift and slip velocities and of these rotations, the velocities along them before the impact, and the arms (n, r) of
+    the contacts' resistance."""
+
+    resisting: list[Sides]
+    rows: np.ndarray
+    before: np.ndarray
+    arms: np.ndarray
+
+    @classmethod
+    def of(cls, before: np.ndarray, places_hit: Sequence[TouchedContact], law: ImpactLaw) -> _Hit:
+        """Those of an impact; `before`: the velocities of all plates, (3N,)."""
+        both = list(zip(places_hit, law.arms.tolist(), strict=True))
+        resisting = list(dict.fromkeys(at.sides for at, arm in both if arm))
         turning = [law.gyration * turning_row(sides, len(before)) for sides in resisting]
         rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit] + turning)
         velocities = rows @ before
         velocities[len(places_hit) : 2 * len(places_hit)] -= law.belts
-        arms = [
-            [arm * (at.sides == sides) for sides in resisting] for at, arm in zip(places_hit, law.arms, strict=True)
-        ]
+        return cls(
+            resisting, rows, velocities, np.array([[arm * (at.sides == s) for s in resisting] for at, arm in both])
+        )
+
+    def rates(self, inertia: Inertia, law: ImpactLaw, speed: float) -> ContactRates:
+        """What impulses do: a contact that stays has no velocity of lift above that of its rebound."""
+        free, mu, n = self.before.copy(), np.array(law.mu), len(law.mu)
+        free[:n] *= 1.0 + law.restitution
+        delassus = self.rows * inertia.inverse @ self.rows.T
+        arms, begins = self.arms.reshape(n, -1).T / law.gyration, np.ones(n, dtype=bool)
+        sizes = np.sqrt(np.diag(delassus)[:n])
+        rate = max(ROUNDING * speed, *(-free[:n] / sizes), *(law.least * sizes))
+        return ContactRates(delassus, free, law.least, mu, mu, arms, begins, rate)
+
+
+def _possible(
+    modes: Iterator[ImpactCombination], inertia: Inertia, hit: _Hit, law: ImpactLaw, speed: float
+) -> Iterator[ImpactCombination]:
+    """The combinations, with the senses of resisted rotations and of the friction of least impulses, that their
+    impulses and velocities do not exclude."""
+    while some := list(islice(modes, TOGETHER)):
         without = impact_exclusions(
-            _as_arrays(some, resisting, law), inertia.inverse, rows, velocities, law.restitution, law.least,
-            np.array(law.mu), np.array(arms), law.gyration, ROUNDING * speed,
+            _as_arrays(some, hit.resisting, law), inertia.inverse, hit.rows, hit.before, law.restitution, law.least,
+            np.array(law.mu), hit.arms, law.gyration, ROUNDING * speed,
         )  # fmt: skip
         yield from (one for one, is_out in zip(some, without, strict=True) if not is_out)
 
@@ -163,7 +196,7 @@ def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: 
     """The pairs of contacts that always have one slip, as two corners of a plate on one line."""
     rows = np.array([at.slip_row / inertia.lengths for at in places_hit])
     return [
-        (i, j) for i, j in combinations(range(len(rows)), 2)
+        (i, j) for i, j in pairs_of(range(len(rows)), 2)
         if np.abs(rows[i] - rows[j]).max() <= ROUNDING and law.belts[i] == law.belts[j] and law.mu[i] and law.mu[j]
     ]  # fmt: skip
 

@@ -10,12 +10,22 @@ import numpy as np
 from cases import Case, Flight, Mode, PerfectlyRough, Transition
 
 from ..effect_laws.friction import STICKING
-from ..endings import CAUSES, LIFT_OFF, NO_MODE, NO_SLIP, Ending, forces_not_unique, several_motions
+from ..endings import (
+    CAUSES,
+    LIFT_OFF,
+    NO_MODE,
+    NO_SLIP,
+    Ending,
+    combination_limit_ending,
+    forces_not_unique,
+    several_motions,
+)
 from ..scales import EPS
 from .accelerations import DecisionInstant
 from .decide import Decision, decide, flat_of, shares_of
 from .hops import NestedSeries
 from .impact_ends import ImpactEnds
+from .mode_program import TooManyModes
 from .places import ContactPlace, anchors_of, groups, plates_in
 from .plate_numbers import Turns, size
 from .regimes import SolverRegime, key_of
@@ -50,17 +60,19 @@ class ModeChanges(ImpactEnds):
         guides = dict[str, tuple[bool, bool] | None]()
         for group in groups(places):
             some, names = [places[k] for k in group], [closed[k].name for k in group]
-            self._check_count(some, names)
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
             last_modes: tuple[Mode, ...] | None = None
             if self.at_limit & set(names):
                 last_modes = () if self.may_slide else tuple(closed[k].mode for k in group)
             was_closed = [i for i, k in enumerate(group) if closed[k].mode is not Mode.FLIGHT]
-            decision = self._decide_group(now, some, fixed, last_modes, was_closed)
-            for error in errors[1:]:
-                if decision.motions or decision.is_singular:
-                    break
-                decision = self._decide_group(replace(now, error=error), some, fixed, last_modes, was_closed)
+            try:
+                decision = self._decide_group(now, some, fixed, last_modes, was_closed)
+                for error in errors[1:]:
+                    if decision.motions or decision.is_singular:
+                        break
+                    decision = self._decide_group(replace(now, error=error), some, fixed, last_modes, was_closed)
+            except TooManyModes as problem:
+                raise MotionEnds(combination_limit_ending(self.t, names)) from problem
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))

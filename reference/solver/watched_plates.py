@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import inf, prod
+from math import inf
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from ..minimal.bouncing import is_unresolved
 from ..scales import EPS, STILL, TOUCHES, speed_scale
 from .hops import NestedSeries, Strike
 from .impact import NoImpact, strike
+from .mode_program import TooManyModes
 from .places import (
     ContactPlace,
     couple_of,
@@ -49,8 +50,6 @@ CLOSES = 1e-10
 NO_GAP = 64 * EPS
 # Velocities that follow from those of belts have a few roundings.
 SOME_ROUNDINGS = 8
-# Modes and impulses are enumerated, four for each contact with friction: so many combinations take some ten seconds.
-MOST_COMBINATIONS = 4**8
 
 
 class MotionEnds(Exception):
@@ -158,11 +157,6 @@ class WatchedPlates:
 
     def _closed(self) -> list[Watch]:
         return [watch for watch in self.watches if watch.name in self.touching]
-
-    def _check_count(self, some: Sequence[ContactPlace], names: Sequence[str]) -> None:
-        count = prod(4 if at.stick > 0.0 else 2 for at in some)
-        if count > MOST_COMBINATIONS:
-            raise MotionEnds(combination_limit_ending(self.t, names, count, MOST_COMBINATIONS))
 
     def _closing(self) -> set[str] | None:
         """The open contacts without a gap that close; None if there are none."""
@@ -294,7 +288,6 @@ class WatchedPlates:
         self, part: Sequence[ContactPlace], names: Sequence[str], closing: set[str]
     ) -> tuple[set[str], set[str]]:
         """The impact of one group: the contacts that stay closed, and those that do not slip."""
-        self._check_count(part, names)
         law, some = impact_law(self.case), bodies(self.case)
         if not law:
             raise MotionEnds(self._no_impact(next(at for at, name in zip(part, names, strict=True) if name in closing)))
@@ -303,6 +296,8 @@ class WatchedPlates:
             outcome = strike(self.case, self.t, before, part, self.speed)
         except NoImpact as problem:
             raise MotionEnds(several_impacts(self.t, problem)) from problem
+        except TooManyModes as problem:
+            raise MotionEnds(combination_limit_ending(self.t, names)) from problem
         mass = some.masses
         if creates_energy(law, mass @ before**2, mass @ outcome.velocity**2):
             raise MotionEnds(ENERGY)

@@ -6,6 +6,7 @@ import pytest
 
 import cases
 import reference
+from reference.solver import mode_program
 
 G = 9.81
 EXACT = 1e-12  # relative: roundings of the integration
@@ -98,3 +99,32 @@ def test_the_first_domino_turns_by_its_energy():
         rise = (h / 2) * (cos(now.theta) - 1) + (w / 2) * sin(-now.theta)
         assert now.omega**2 * inertia / 2 == pytest.approx(inertia / 2 - G * rise, rel=1e-9)  # ten times the tolerance
     assert len(case.others) == 1
+
+
+def test_five_dominoes_hit_each_other_in_turn():
+    """The last impact has ten contacts: 4**10 combinations of modes."""
+    motion = run("dominoes", count=5, duration=2.45)
+    hits = [event for event in motion.transitions if event.cause == "impact" and "track" not in event.contact]
+    assert [event.contact for event in hits] == ["plate/block2", "block2/block3", "block3/block4", "block4/block5"]
+    assert hits[0].time == pytest.approx(run("dominoes").transitions[0].time, rel=EXACT * 10)
+
+
+@pytest.mark.parametrize("name", ["boxes_on_shaken_table", "dominoes", "disc_pushes_block"])
+def test_modes_that_a_program_leaves_give_the_motion_of_all_modes(name, monkeypatch):
+    every = reference.simulate(cases.load(name))
+    monkeypatch.setattr(mode_program, "FEW", 1)
+    allows, asked = mode_program._Program.allows, list[int]()
+
+    def looked_at(self, rates, k, kind):
+        asked.append(k)
+        return allows(self, rates, k, kind)
+
+    monkeypatch.setattr(mode_program._Program, "allows", looked_at)
+    motion = reference.simulate(cases.load(name))
+    assert asked and motion.transitions == every.transitions and (motion.x == every.x).all()
+
+
+def test_too_many_modes_end_the_motion_in_a_sentence(monkeypatch):
+    monkeypatch.setattr(mode_program, "MOST", 1)
+    motion = reference.simulate(cases.load("dominoes"))
+    assert motion.status == "unfinished" and "have more combinations of modes than are tried" in motion.reason
