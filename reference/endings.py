@@ -47,6 +47,7 @@ CORNERS_MEET = (
 )
 # --- track_end, outline_end, no_fit: curves end, or no longer fit; paradox where no force is consistent ------------
 
+_LONGER = "make the curve longer, or give it as a Chain with a corner there"
 # Guards whose zero ends the motion.
 ENDS = {
     "painleve": (
@@ -54,8 +55,8 @@ ENDS = {
         "The normal equation's coefficient of λ vanished (Painlevé): rigid Coulomb contact has no unique force here.",
     ),
     "fit": ("no_fit", "The curvatures of outline and track became equal: the plate no longer fits its track here."),
-    "track_start": ("track_end", "The contact reached the start of the track's domain."),
-    "track_end": ("track_end", "The contact reached the end of the track's domain."),
+    "track_start": ("track_end", f"The contact reached the start of the track's domain; {_LONGER}."),
+    "track_end": ("track_end", f"The contact reached the end of the track's domain; {_LONGER}."),
     "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
     "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
 }
@@ -64,8 +65,7 @@ ENDS = {
 def end_of_curve(t: float, who: str, which: str, end: float) -> Ending:
     """The ending where a plate meets an end of an open curve; `end`: the curve's parameter there."""
     return ENDS["track_end"][0], (
-        f"{who} meets the end of {which} at xi1 = {end:.9g}, at t = {t:.9g} s, where no contact goes on; make the "
-        "curve longer, or give it as a Chain with a corner there."
+        f"{who} meets the end of {which} at xi1 = {end:.9g}, at t = {t:.9g} s, where no contact goes on; {_LONGER}."
     )
 
 

@@ -97,6 +97,11 @@ def _by(case: Case, parameter: str) -> tuple[float, Callable[[float], Case]]:
         return values[parameter], lambda p: replace(case, start=replace(case.start, **{field: p}))
     of_function = registry.entry(case.name).parameters | dict(case.parameters) if case.name in registry.names() else {}
     numbers = {name: float(each) for name, each in of_function.items() if isinstance(each, int | float)}
+    if parameter not in numbers and not of_function:
+        raise BadValue(
+            f"{case.label} has no parameters but {', '.join(values)}, not {parameter!r}; make it by a function with "
+            "@case, which has its own"
+        )
     if parameter not in numbers:
         raise unknown_name(f"parameter of {case.label}", parameter, [*numbers, *values])
     return numbers[parameter], lambda p: registry.load(case.name, **{**case.parameters, parameter: p})

@@ -22,7 +22,7 @@ COMMANDS = {
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
     "history": ("reports.history", "what changed from version to version of an engine"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
-    "cases": ("cases.commands", "list, show, make, check and export cases"),
+    "cases": ("cases.commands", "list, show, check, begin (new) and export cases"),
     "cases film": ("reports.animate", "write an animation of a motion, GIF or MP4"),
     "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
     "prove check": ("reference.proof_checker.__main__", "check proof records with an independent program"),

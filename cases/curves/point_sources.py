@@ -25,6 +25,7 @@ _folder: ContextVar[Path] = ContextVar("_folder", default=Path())
 _HEADING = re.compile(r"\s*[^\W\d_]")
 # The data of a path in a drawing. No entity is read: path data are numbers and letters of commands.
 _PATH_ELEMENT = re.compile(r"<path\b[^>]*?\sd=[\"']([^\"'<&]*)[\"']")
+_TRANSFORM = re.compile(r"\stransform\s*=")
 # SVG path data begin with a move to a pair of numbers; no file is called like that.
 _PATH_DATA = re.compile(r"\s*[Mm]\s*[-+.\d]+[\s,]+[-+.\d]")
 
@@ -62,7 +63,7 @@ def as_points(source) -> np.ndarray:
 def read(path: str | Path) -> np.ndarray:
     """Points (n, 2) from a file: two columns x, y with commas or spaces, with or without a heading; an airfoil in
     Selig's order (from the trailing edge over the upper side) or in Lednicer's (numbers of points of both sides, then
-    each from the leading edge), which is put into Selig's; the first path of a drawing NAME.svg.
+    each from the leading edge), which is put into Selig's; the only path of a drawing NAME.svg.
 
     A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
@@ -99,11 +100,16 @@ def _rows(path: Path, text: str) -> np.ndarray:
 
 
 def _path_of(path: Path, text: str) -> str:
-    """The path data of the first path of a drawing, as it stands there: without the transformations around it."""
-    found = _PATH_ELEMENT.search(text)
+    """The path data of the only path of a drawing. Raises BadValue for other drawings, and for one that is
+    transformed."""
+    found = _PATH_ELEMENT.findall(text)
     if not found:
         raise BadValue(f'{path} has no path element with data in d="…"; draw the curve as a path')
-    return found[1]
+    if len(found) > 1:
+        raise BadValue(f"{path} has {len(found)} paths; leave one of them in the drawing")
+    if _TRANSFORM.search(text):
+        raise BadValue(f"{path} has a transform attribute; apply it to the path's coordinates in the drawing program")
+    return str(found[0])
 
 
 def along_path(text: str) -> np.ndarray:
@@ -114,7 +120,7 @@ def along_path(text: str) -> np.ndarray:
     try:
         from svg.path import parse_path
     except ImportError:
-        raise NotSupported('SVG path data need svg.path; type: pip install "slip-to-roll[svg]"') from None
+        raise NotSupported("SVG path data need svg.path; type: pip install svg.path") from None
     if len(text) > LARGEST_FILE:
         raise BadValue(f"the path data have {len(text)} letters; give at most {LARGEST_FILE}")
     try:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ast
 import operator
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from math import log10
@@ -17,6 +18,8 @@ from .time_steps import NoStep, rise
 # A formula on a page or two; Python's own parser takes milliseconds for it.
 LONGEST_TEXT = 4000
 
+# A number of NumPy, as an f-string of one shows it inside a formula.
+_NUMPY_FLOAT = re.compile(r"\bnp\.float64\(([-+.\deE]+)\)")
 _OPERATIONS: dict[type[ast.AST], Callable[..., sp.Expr]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -45,7 +48,7 @@ def parse(
     try:
         with warnings.catch_warnings():  # Python's own about style are no answer to an author
             warnings.simplefilter("ignore")
-            source = text.strip()
+            source = _NUMPY_FLOAT.sub(r"(\1)", text.strip())
             tree = ast.parse(source, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
         raise error(f"{what} {quotation} cannot be read ({getattr(problem, 'msg', problem)})") from None

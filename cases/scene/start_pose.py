@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import hypot, inf, pi
+from math import cos, hypot, inf, pi, sin
 
 import numpy as np
 
@@ -93,15 +93,12 @@ def _velocities(pose: StartPose, track: Curve, contact: geometry.Contact) -> tup
 
 
 def from_flat_side(start: Start, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> Start:
-    """A start on a straight edge of the outline along a straight track, as the same one at the corner where the edge
-    ends; without xi2, one with θ = 0 on such an edge is in its middle. Other starts are returned as they are.
+    """A start on a straight edge of the outline along a straight track, or a straight piece of one, as the same one at
+    a corner; without xi2, one with θ = 0 on such an edge is in its middle. Other starts are returned as they are.
 
     Raises BadValue for a plate that lies on the edge and turns otherwise than a track that turns by these effects.
     """
-    if not isinstance(outline, Chain) or isinstance(track, Chain) or as_line(track) is None:
-        return start
-    speed = float(track.speed(start.xi1))
-    if not np.allclose(track.speed(np.linspace(*track.span, 17)), speed, rtol=TOUCHES):
+    if not isinstance(outline, Chain) or not _is_straight(track, start.xi1):
         return start
     xi2 = _middle_of_level_edge(float(track.tangent_angle(start.xi1)), outline) if start.xi2 is None else start.xi2
     if xi2 is None:
@@ -118,10 +115,32 @@ def from_flat_side(start: Start, track: Curve, outline: Curve, effects: tuple[Ef
             f"a plate that lies on a flat side {'turns with its track' if spin else 'does not turn'}; give "
             f"omega={spin:g} in Start, not {start.omega:g}, or the xi2 of a corner"
         )
-    away = end - xi2
+    if isinstance(track, Chain):  # the corner may be on another piece
+        own = as_start(_on_side(start, xi2, spin, track, outline), track, outline, ())
+        return replace(own, omega=start.omega)
+    away, speed = end - xi2, float(track.speed(start.xi1))
     rate = start.gap_rate + (0.0 if start.in_contact else (start.omega - spin) * away)
     # A joint belongs to the element before it.
     return replace(start, xi1=start.xi1 + away / speed, xi2=float(np.nextafter(end, inf)), gap_rate=rate)
+
+
+def _is_straight(track: Curve, xi1: float) -> bool:
+    """Whether a track is an evenly parametrized line, or of a chain the piece there an edge."""
+    if isinstance(track, Chain):
+        return isinstance(track.element_at(xi1).piece, Edge)
+    speeds = track.speed(np.linspace(*track.span, 17))
+    return as_line(track) is not None and bool(np.allclose(speeds, track.speed(xi1), rtol=TOUCHES))
+
+
+def _on_side(start: Start, xi2: float, spin: float, track: Curve, outline: Curve) -> StartPose:
+    """A start whose tangents are parallel at xi2, as a pose, with velocities against a track of that spin (rad/s)."""
+    (tx, ty), place, (u, v) = track.tangent(start.xi1), track.point(start.xi1), outline.point(xi2)
+    theta = float(track.tangent_angle(start.xi1) - outline.tangent_angle(xi2))
+    arm = np.array([cos(theta) * u - sin(theta) * v, sin(theta) * u + cos(theta) * v])
+    centre = place + start.gap * np.array([-ty, tx]) - arm
+    turning = 0.0 if start.in_contact else start.omega - spin
+    vx, vy = start.slip * tx - start.gap_rate * ty, start.slip * ty + start.gap_rate * tx
+    return StartPose(*centre, theta, vx + turning * arm[1], vy - turning * arm[0], turning)
 
 
 def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:

@@ -113,7 +113,7 @@ def test_airfoils_are_read_in_both_orders(tmp_path):
         assert as_points(tmp_path / name) == pytest.approx(points, abs=1e-9)  # the digits of the file
 
 
-def test_a_drawing_gives_its_first_path(tmp_path):
+def test_a_drawing_gives_its_only_path(tmp_path):
     pytest.importorskip("svg.path")
     data = "M 0 0 L 1 0 L 1 1"
     (tmp_path / "foot.svg").write_text(
@@ -123,3 +123,9 @@ def test_a_drawing_gives_its_first_path(tmp_path):
     (tmp_path / "none.svg").write_text("<svg><rect/></svg>")
     with pytest.raises(BadValue, match="no path element"):
         as_points(tmp_path / "none.svg")
+    (tmp_path / "two.svg").write_text(f'<svg><path d="{data}"/><path d="{data}"/></svg>')
+    with pytest.raises(BadValue, match="has 2 paths; leave one"):
+        as_points(tmp_path / "two.svg")
+    (tmp_path / "moved.svg").write_text(f'<svg><g transform="scale(2)"><path d="{data}"/></g></svg>')
+    with pytest.raises(BadValue, match="has a transform attribute"):
+        as_points(tmp_path / "moved.svg")

@@ -128,7 +128,7 @@ def test_a_plate_that_meets_an_end_of_a_curve_ends_its_motion_there(row, method)
 
 NEXT = (Support(Curve(("s", "0"), (0.0, 1.0)), "next"),)
 DOWN = (Support(Curve(("s", "-s"), (0.0, 1.0)), "down"),)
-ENDED = "The contact reached the end of the track's domain."
+ENDED = "The contact reached the end of the track's domain"
 MET = "The plate meets the end of its track at xi1 = 0"
 LOW_WALL = (Support(Curve(("0", "s"), (0.05, 0.15)), "wall"),)
 PLASTIC = (*HEAVY[:-1], Impact(0.0))

@@ -6,6 +6,8 @@ import pytest
 
 import cases
 import reference
+from cases import Case, Chain, CoulombFriction, Flight, Gravity, Impact, Plate, Start, Unilateral
+from cases.library import line
 from reference.solver import mode_program
 
 G = 9.81
@@ -33,6 +35,17 @@ def test_a_seam_exactly_at_the_end_of_the_motion():
 def test_a_box_passes_seams_as_a_line():
     end = run("box_over_seams")(0.5)
     assert end.x == pytest.approx(2.0 * 0.5 - 0.3 * G / 8, rel=EXACT) and abs(end.omega) < EXACT
+
+
+@pytest.mark.parametrize(
+    "start", [Start(0.3, 0.1, slip=2.0), Start(0.3, slip=2.0), Start(0.3, 0.1, 1.0, 0.5, 0.02, 0.3)]
+)
+def test_a_box_begins_on_a_tile_as_on_a_line(start):
+    tiles, box = Chain.polyline([(0.5 * k, 0.0) for k in range(5)]), Plate.rectangle(0.2, 0.2, 1.0)
+    effects = Gravity(G), CoulombFriction(0.2), Unilateral(), Flight(), Impact(0.0, "moreau")
+    on_tiles, on_line = (reference.simulate(Case(track, box, effects, start, 0.3)) for track in (tiles, line()))
+    for name in ("x", "y", "theta", "vx", "vy", "omega"):
+        assert getattr(on_tiles, name)[[0, -1]] == pytest.approx(getattr(on_line, name)[[0, -1]], abs=1e-12)
 
 
 @pytest.mark.parametrize("part", [-0.01, 0.0, 0.01])
