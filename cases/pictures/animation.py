@@ -18,7 +18,6 @@ from PIL import Image
 from ..curves import Curve
 from ..errors import BadValue, choice, positive
 from ..files.owned_folder import atomic_path
-from ..scene.contact_names import TRACK
 from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
 from .plots import LABELS, MODE_WORDS, first_contact, mark_transitions
@@ -85,7 +84,7 @@ class Animation:
         state = motion(times)
         figure = Picture(figsize=(7.0, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
-        others = layout.free_plates(motion.case, motion, times, np.ones(len(times)))
+        others = layout.free_plates(motion.case, motion, times, [1.0] * len(times))
         _room(left, scene, np.array([state.x, state.y]), state.xi1, others)
         values = getattr(state, self._quantity)
         right.plot(times, values, color=FAINT, linewidth=1.0)
@@ -165,7 +164,7 @@ def _curve_of_first_contact(motion: Any, scene: DrawnScene) -> Curve | None:
     if not motion.contact_names:
         return scene.track
     boundary = motion.contact_names[0].partition("/")[2].partition(" ")[0]
-    return {TRACK: scene.track, **scene.supports}.get(boundary)
+    return None if boundary in motion.plate_names else scene.supports.get(boundary, scene.track)
 
 
 def _mode_at(motion: Any, time: float) -> str | None:

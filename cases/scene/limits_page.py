@@ -21,6 +21,11 @@ _TAIL = """## Where a simulation stops
   reports the place, with the status `paradox` or `not_unique`.
 - Impacts have no duration. Newton's law of restitution can create energy where friction reverses the slip; the
   simulation then stops and reports it. With Moreau's law, which engines with a fixed step use, it continues.
+- Decisions at a bound are made with an error of 1e-11: a box on an incline within 1e-11 rad of its friction angle
+  rests.
+- Contacts of a group of plates that touch have modes that are tried together. Of more than six contacts with friction a
+  mixed-integer program leaves those of all solutions; where it does not, or leaves more than 65,536, the motion ends as
+  `unfinished`. A row of eight dominoes falls; a pile of many boxes may not run.
 - No contact is computed on the ends of an open curve: the motion of a plate that meets one ends there, with the status
   `track_end`. A `Chain` with a corner in place of the end has contacts there.
 - The paper's own matrix (method `augmented`) is solved at corners at single instants only.

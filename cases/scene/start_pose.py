@@ -140,7 +140,7 @@ def _on_side(start: Start, xi2: float, spin: float, track: Curve, outline: Curve
     centre = place + start.gap * np.array([-ty, tx]) - arm
     turning = 0.0 if start.in_contact else start.omega - spin
     vx, vy = start.slip * tx - start.gap_rate * ty, start.slip * ty + start.gap_rate * tx
-    return StartPose(*centre, theta, vx + turning * arm[1], vy - turning * arm[0], turning)
+    return StartPose(float(centre[0]), float(centre[1]), theta, vx + turning * arm[1], vy - turning * arm[0], turning)
 
 
 def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:

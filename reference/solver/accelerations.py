@@ -32,7 +32,7 @@ SAME = 1e-7
 VIOLATED = 1e-6
 # Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
 OTHER = 1e-3
-KINDS = {Mode.FLIGHT: OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, STICKS) | SLIP_SIGN
+KINDS = {Mode.FLIGHT: OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, STICKS) | {m: int(s) for m, s in SLIP_SIGN.items()}
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
 
