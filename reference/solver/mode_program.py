@@ -10,17 +10,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain, product
 from math import inf, prod
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.optimize import LinearConstraint
 
 # The kinds of modes: the sign of a slip (0 without friction), or these.
 STICKS, OPEN = 2, 3
 # Fewer combinations are a stack of linear systems that is solved sooner than a program; more than MOST take some ten
 # seconds.
 FEW, MOST = 4**6, 4**8
-# Forces and rates are below this in units in which each force changes its own rate by one: those of solutions are
-# compared, a larger one would only be missed, and all combinations tried.
+# Forces and rates are below this in units in which each force changes its own rate by one and the largest rate that is
+# to change is about one. Solutions with larger ones are not looked for; with 1000 HiGHS reports errors of its numbers.
 LARGE = 50.0
 # Rates of solutions agree within this part: a hundred times the program's tolerance for what its conditions violate.
 SAME = 1e-5
@@ -61,10 +64,11 @@ def combinations(
     some = [options]
     if rates is not None and prod(map(len, options)) > FEW:
         program = _Program(rates)
-        some = [
+        left: list[Sequence[Sequence[Option]]] = [
             [[one for one in own if program.allows(found, k, kind(k, one))] for k, own in enumerate(options)]
             for found in program.solutions([{kind(k, one) for one in own} for k, own in enumerate(options)])
-        ] or some
+        ]
+        some = left if left and all(map(all, left)) else some  # a contact without a mode is an error of numbers
     if any(prod(map(len, each)) > MOST for each in some):
         raise TooManyModes
     return chain.from_iterable(product(*each) for each in some)
@@ -97,18 +101,37 @@ class _Program:
     def solutions(self, kinds: Sequence[set[int]]) -> list[np.ndarray]:
         """The rates of the solutions with the greatest and the least sum of the rates with arbitrary weights, one if
         they are the same; none if nothing is found, or if there are several of which those that stick are preferred."""
-        from scipy.optimize import Bounds, LinearConstraint, milp
+        from scipy.optimize import Bounds, milp
 
-        n, m, bits = self.n, len(self.free), np.eye(4 * self.n).reshape(4, self.n, 4 * self.n)
-        opens, sticks, forward, backward = bits
-        free, nothing = self.free, np.zeros((self.n, m))
-        lift, slip, least = self.moves[:n], self.moves[n : 2 * n], self.least[:n]
+        available = np.array([[OPEN in own, STICKS in own, bool(own & {0, 1}), -1 in own] for own in kinds]).T.ravel()
+        m, no_bits = len(self.free), 0.0 * available
+        bounds = Bounds(np.append(self.least, no_bits), np.append(np.full(m, LARGE), available))
+        weights, conditions, found = np.random.default_rng(0).normal(size=m), self._conditions(), list[np.ndarray]()
+        for sign in (1.0, -1.0):
+            answer = milp(
+                sign * np.append(weights @ self.moves, no_bits), bounds=bounds, constraints=conditions,
+                integrality=np.append(np.zeros(m), np.ones(4 * self.n)), options={"mip_rel_gap": 0.0},
+            )  # fmt: skip
+            if answer.status != SOLVED:
+                return []
+            found.append(self.moves @ answer.x[:m] + self.free)
+        if np.abs(found[0] - found[1]).max() <= SAME:
+            return found[:1]
+        return [] if (self.rates.stick > self.rates.mu).any() else found
+
+    def _conditions(self) -> LinearConstraint:
+        """Sums of the forces, and of the bits of all modes (open, without slip, slip forwards and backwards), that have
+        a least and a greatest value: a bit of a mode adds its conditions, without it they are too weak to matter."""
+        from scipy.optimize import LinearConstraint
+
+        n, free, least = self.n, self.free, self.least[: self.n]
+        opens, sticks, forward, backward = bits = np.eye(4 * n).reshape(4, n, 4 * n)
+        lift, slip, forces = self.moves[:n], self.moves[n : 2 * n], np.zeros((n, len(free)))
         open_, begins = np.full(n, inf), np.where(self.rates.begins, 0.0, LARGE)
         unbounded = np.where(~np.isfinite(self.rates.stick) & (least == 0.0), 0.0, LARGE)
-        # Rows of forces and of bits, and the least and greatest values of their sums.
         every = [
             (self.cones, np.zeros((len(self.cones), 4 * n)), np.zeros(len(self.cones)), np.full(len(self.cones), inf)),
-            (nothing, bits.sum(axis=0), np.ones(n), np.ones(n)),
+            (forces, bits.sum(axis=0), np.ones(n), np.ones(n)),
             (lift, 0.0 * opens, -free[:n], open_),
             (lift, -LARGE * opens, -open_, -free[:n]),
             (self.normal, LARGE * opens, -open_, LARGE + least),
@@ -123,22 +146,7 @@ class _Program:
             every.append((slides, -LARGE * bit, np.full(n, -LARGE), open_))
             every.append((sign * slip, -LARGE * bit, -LARGE - sign * free[n : 2 * n] - begins, open_))
         rows = np.vstack([np.hstack(some[:2]) for some in every])
-        low, high = (np.concatenate([some[i] for some in every]) for i in (2, 3))
-        available = np.array([[OPEN in own, STICKS in own, bool(own & {0, 1}), -1 in own] for own in kinds]).T.ravel()
-        bounds = Bounds(np.append(self.least, 0.0 * available), np.append(np.full(m, LARGE), available))
-        weights, found = np.random.default_rng(0).normal(size=m), list[np.ndarray]()
-        for sign in (1.0, -1.0):
-            answer = milp(
-                sign * np.append(weights @ self.moves, 0.0 * available), bounds=bounds,
-                integrality=np.append(np.zeros(m), np.ones(4 * n)), constraints=LinearConstraint(rows, low, high),
-                options={"mip_rel_gap": 0.0},
-            )  # fmt: skip
-            if answer.status != SOLVED:
-                return []
-            found.append(self.moves @ answer.x[:m] + free)
-        if np.abs(found[0] - found[1]).max() <= SAME:
-            return found[:1]
-        return [] if (self.rates.stick > self.rates.mu).any() else found
+        return LinearConstraint(rows, *(np.concatenate([some[i] for some in every]) for i in (2, 3)))
 
     def allows(self, rates: np.ndarray, k: int, kind: int) -> bool:
         """Whether contact k may have a mode of this kind in a solution with these rates: they agree with it, and some
