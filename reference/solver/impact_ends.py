@@ -76,15 +76,22 @@ class ImpactEnds(WatchedPlates):
             return
         limit, values = end.time, tuple(end.body)
         places = [(watch.pair, place(watch.pair, values, watch.points)) for watch in self.watches]
-        for pair, points in touching_contacts(self.case, np.array(values), MAY_LAND):
-            if not any(is_same_contact(one, (at.xi1, at.xi2), pair, points) for one, at in places):
+        far = size(self.case, self.state)
+        ways = np.abs(np.array(values[: self.half]) - self.state[: self.half]) * bodies(self.case).lengths
+        for pair, points in touching_contacts(self.case, np.array(values), max(MAY_LAND, float(ways.sum()) / far)):
+            if any(is_same_contact(one, (at.xi1, at.xi2), pair, points) for one, at in places):
+                continue
+            gap = place(pair, values, points).gap
+            if gap < -MAY_LAND * far:
+                return  # it closes before
+            if gap <= MAY_LAND * far:
                 self._watch(pair, points)
         of_series = [watch for watch in self.watches if watch.name in end.contacts]
         near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]
         moving, others = np.array(values[self.half :]), [watch for watch in self.watches if watch not in near]
         ats = [(watch.name, place(watch.pair, values, watch.points)) for watch in others]
         closings = [(name, at.gap, float(at.lift_row @ moving)) for name, at in ats]
-        landing = end.landing(closings, TOUCHES * size(self.case, self.state))
+        landing = end.landing(closings, TOUCHES * far)
         if landing is None:
             return
         state, now = project(self.case, values, [place(watch.pair, values, watch.points) for watch in near])

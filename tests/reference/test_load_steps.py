@@ -71,7 +71,8 @@ def test_its_transitions_are_certified_and_it_obeys_the_laws():
     assert not [*reference.check(case, reference.simulate(case))]
 
 
-@pytest.mark.parametrize("number", range(0, 60, 4))
+# In 74 a corner's impacts end, the other one closing before their end.
+@pytest.mark.parametrize("number", [*range(0, 60, 4), 74])
 def test_steps_between_random_scenes_end_nothing(number):
     """Discs that roll, slip and fly, boxes and rolling resistance, under steps of force and moment."""
     draw = random.Random(number)
