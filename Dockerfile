@@ -6,7 +6,7 @@ FROM python:3.12-slim
 # exudyn's modules are linked to OpenGL, though nothing is drawn with it.
 RUN apt-get update && apt-get install -y --no-install-recommends libgl1 && rm -rf /var/lib/apt/lists/*
 # The packages come before the source, which changes more often.
-COPY docs/results/0.2.0/constraints.txt /versions.txt
+COPY docs/results/0.3.0/constraints.txt /versions.txt
 RUN pip install --no-cache-dir -r /versions.txt
 COPY . /slip-to-roll
 RUN pip install --no-cache-dir -c /versions.txt "/slip-to-roll[taylor]"

@@ -5,7 +5,7 @@ from pathlib import Path
 # A literal: it is read without running any code when the suite is packed.
 __version__ = "0.3.0"
 # Date of the last published report, for citations.
-RELEASED = "2026-11-28"
+RELEASED = "2026-11-30"
 
 
 def in_clone() -> bool:
