@@ -33,11 +33,8 @@ def in_words(motion: Trajectory) -> str:
     """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s, then
     rolls to the end of 1 s". Of several contacts each has its own; the same words are given once. For a motion with
     unknown modes, the number of samples."""
-    ends = (
-        ""
-        if motion.status == type(motion).status
-        else f"; ends there: {motion.status}. {motion.reason.removesuffix('.')}"
-    )
+    why = motion.reason.removesuffix(".")
+    ends = "" if motion.status == type(motion).status else f"; ends there: {motion.status}. {why}"
     several = len(motion.contact_names) > 1
     by_words: dict[str, list[str]] = {}
     for name in motion.contact_names:

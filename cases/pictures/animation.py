@@ -84,8 +84,9 @@ class Animation:
         state = motion(times)
         figure = Picture(figsize=(7.0, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
-        others = layout.free_plates(motion.case, motion, times, [1.0] * len(times))
-        _room(left, scene, np.array([state.x, state.y]), state.xi1, others)
+        others = [(motion.plate(one.name), scene.of(one.plate)) for one in motion.case.others]
+        paths = [np.array([at.x, at.y]) for at in (state, *(plate(times) for plate, _ in others))]
+        _room(left, [scene, *(other for _, other in others)], paths, state.xi1)
         values = getattr(state, self._quantity)
         right.plot(times, values, color=FAINT, linewidth=1.0)
         right.set(xlabel="time / s" + self._speed(), ylabel=LABELS[self._quantity])
@@ -94,14 +95,14 @@ class Animation:
         mark_transitions(right, first.transitions, first.first_mode, times[[0, -1]], 190.0)
         left.set_title(scene.label, loc="left", fontweight="bold")
         moving = _Moving(left, right, scene, _curve_of_first_contact(motion, scene))
-        bodies = [_Body(left, other) for other, _ in others]
+        bodies = [(plate, _Body(left, other)) for plate, other in others]
         size = float(np.ptp(scene.corners(), axis=1).max())
         scale = _ARROW * size / self._weight if self._weight else 0.0
 
         def show(time: float) -> None:
             now = motion(time)
-            for body, (_, (at,)) in zip(bodies, layout.free_plates(motion.case, motion, [time], [1.0]), strict=True):
-                body.show(at)
+            for plate, body in bodies:
+                body.show(plate(time))
             moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(first, time))
 
         show(float(times[0]))
@@ -175,18 +176,18 @@ def _mode_at(motion: Any, time: float) -> str | None:
     return mode
 
 
-def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray, others: Sequence[Any]) -> None:
-    """Draw track and supports, and set the axes so that they contain the plate, and the others, at all times."""
-    curves = layout.drawn_curves(scene, path, xi1)
+def _room(ax: Any, scenes: Sequence[DrawnScene], paths: Sequence[np.ndarray], xi1: np.ndarray) -> None:
+    """Draw track and supports, and set the axes so that they contain all plates at all times: their scenes and paths,
+    the first plate's first."""
+    curves = layout.drawn_curves(scenes[0], paths[0], xi1)
     for points in curves:
         ax.plot(*points, color="black", linewidth=1.6)
     X, Y = np.hstack(curves)
-    reach = max(float(np.hypot(*one.corners()).max()) for one in (scene, *(other for other, _ in others)))
-    path = np.hstack([path, *([[at.x for at in poses], [at.y for at in poses]] for _, poses in others)])
+    reach, path = max(float(np.hypot(*one.corners()).max()) for one in scenes), np.hstack(paths)
     room = 0.3 * reach
     ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)
     ax.set_ylim(min(Y.min(), path[1].min() - reach) - room, max(Y.max(), path[1].max() + reach) + room)
-    drawn_scene.finish(ax, scene)
+    drawn_scene.finish(ax, scenes[0])
 
 
 def _round_factor(lasts: float) -> float:

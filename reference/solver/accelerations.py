@@ -32,6 +32,7 @@ SAME = 1e-7
 VIOLATED = 1e-6
 # Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
 OTHER = 1e-3
+# As `mode_program` has them.
 KINDS = {Mode.FLIGHT: OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, STICKS) | {m: int(s) for m, s in SLIP_SIGN.items()}
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
@@ -120,6 +121,7 @@ class GroupRows:
         rotations = [length * turning_row(s, len(velocity)) for s, length in zip(self.pairs, lengths, strict=True)]
         self.rows = np.array([at.lift_row for at in contacts] + [at.slip_row for at in contacts] + rotations)
         slips = [at.slip_bias - at.belt_rate(now.time) for at in contacts]
+        self.delassus = self.rows * some.inverse @ self.rows.T
         self.biases = np.array([at.lift_bias for at in contacts] + slips + [0.0] * len(rotations))
         mu = np.array([at.mu_of(velocity, now.time) for at in contacts])
         self.mu = np.where(np.isfinite(mu), mu, 0.0)  # without bound on friction there is no slip
@@ -142,8 +144,7 @@ class GroupRows:
             return None
         free, nothing = self.rows @ self.now.load + self.biases, np.zeros(self.count)
         stick, mu = np.where(self.is_bounded, self.stick, inf), np.where(self.is_bounded, self.mu, inf)
-        delassus = self.rows * self.some.inverse @ self.rows.T
-        return ContactRates(delassus, free, nothing, stick, mu, self.arms, self.begins, self.now.scale)
+        return ContactRates(self.delassus, free, nothing, stick, mu, self.arms, self.begins, self.now.scale)
 
     def answers(
         self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]
@@ -173,7 +174,7 @@ class GroupRows:
                 own_load(now.case, now.time, now.velocity, self.contacts, modes) for modes, _ in combinations
             ]
         used, goals = np.hstack([closed, holders, holds]), -(loads @ self.rows.T + self.biases)
-        regular, values = solve_stack(self.rows * inverse @ self.rows.T, mix, used, goals, DEPENDENT)
+        regular, values = solve_stack(self.delassus, mix, used, goals, DEPENDENT)
         loads = np.broadcast_to(loads, (len(kinds), len(now.load)))
         acceleration = loads[regular] + inverse * ((mix[regular] @ values[..., None])[..., 0] @ self.rows)
         heaviest = float((some.masses / some.lengths**2).max())

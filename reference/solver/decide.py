@@ -7,7 +7,7 @@ motion; different ones are reported, none is chosen.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from itertools import product
 from math import copysign
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from cases.own_effects import own_effects
 from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import BALANCE, KINDS, SAME, DecisionInstant, GroupRows, resisting, rest_margin
-from .mode_program import ContactRates, combinations
+from .mode_program import ContactRates, mode_combinations
 from .places import ContactPlace, place, plates_in, sharing
 from .plate_numbers import Sides, Turns, bodies, rows_of, speed, turning_row
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
@@ -99,7 +99,7 @@ def _consistent(
         still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
         motions.append(_Motion(still, True, np.zeros(len(own)), turns))
     rows = GroupRows(now, contacts)
-    for modes, turns, answer in rows.answers(list(_combinations(now, contacts, fixed, rows.rates()))):
+    for modes, turns, answer in rows.answers(list(_combinations(now, contacts, fixed, rows.rates))):
         if answer is None:
             is_singular = True
             continue
@@ -187,7 +187,7 @@ def _sticking(modes: Sequence[Mode]) -> int:
 
 def _combinations(
     now: DecisionInstant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]],
-    rates: ContactRates | None,
+    rates: Callable[[], ContactRates | None],
 ) -> Iterator[tuple[tuple[Mode, ...], Turns]]:  # fmt: skip
     """The modes that all contacts may have, with the senses of the rotations that they resist; contacts with one slip
     have one mode where both are closed."""
@@ -202,7 +202,7 @@ def _combinations(
         else:
             options.append((slipping[0] if slip > 0.0 else slipping[1], Mode.FLIGHT))
     same = sharing(contacts).items()
-    for modes in combinations(rates, options, lambda k, mode: KINDS[mode]):
+    for modes in mode_combinations(rates, options, lambda k, mode: KINDS[mode]):
         if not all(modes[i] is modes[j] or Mode.FLIGHT in (modes[i], modes[j]) for i, j in same):
             continue
         closed = [at for at, mode in zip(contacts, modes, strict=True) if mode is not Mode.FLIGHT]

@@ -11,8 +11,8 @@ that. Where one plate touches in one place, Routh's construction of `minimal.imp
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations as pairs_of
-from itertools import islice
+from functools import partial
+from itertools import combinations, islice
 from math import inf, nan
 from typing import NamedTuple
 
@@ -23,6 +23,7 @@ from cases import Case
 from ..effect_laws.restitution import impact_law
 from ..minimal.impact import ContactVelocity, collide, law_of
 from ..scales import power_of_two
+from . import mode_program
 from .exclusion import TOGETHER, ImpactModes, impact_exclusions
 from .impact_modes import (
     BACKWARD,
@@ -38,14 +39,13 @@ from .impact_modes import (
     in_modes,
     senses_of_least,
 )
-from .mode_program import OPEN as OPENS
-from .mode_program import STICKS, ContactRates, combinations
+from .mode_program import ContactRates, mode_combinations
 from .places import ContactPlace, couple_of
 from .plate_numbers import Sides, Turns, bodies, senses_of, turning_row
 
 # The modes of all contacts, the senses of the rotations that they resist, and of the friction of least impulses.
 ImpactCombination = tuple[tuple[str, ...], Turns, LeastSenses]
-_KINDS = {OPEN: OPENS, STICK: STICKS, FORWARD: 1, BACKWARD: -1}
+_KINDS = {OPEN: mode_program.OPEN, STICK: mode_program.STICKS, FORWARD: 1, BACKWARD: -1}
 
 
 class NoImpact(ArithmeticError):
@@ -104,7 +104,7 @@ def _collide(
         return _KINDS[mode] if law.mu[k] or mode == OPEN else 0
 
     possible = (
-        (modes, turns, senses) for modes in combinations(hit.rates(inertia, law, speed), options, kind)
+        (modes, turns, senses) for modes in mode_combinations(partial(hit.rates, inertia, law, speed), options, kind)
         if all(modes[i] == modes[j] or OPEN in (modes[i], modes[j]) for i, j in alike)
         for turns in _turns(modes, places_hit, law)
         for senses in senses_of_least(modes, law)
@@ -196,7 +196,7 @@ def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: 
     """The pairs of contacts that always have one slip, as two corners of a plate on one line."""
     rows = np.array([at.slip_row / inertia.lengths for at in places_hit])
     return [
-        (i, j) for i, j in pairs_of(range(len(rows)), 2)
+        (i, j) for i, j in combinations(range(len(rows)), 2)
         if np.abs(rows[i] - rows[j]).max() <= ROUNDING and law.belts[i] == law.belts[j] and law.mu[i] and law.mu[j]
     ]  # fmt: skip
 

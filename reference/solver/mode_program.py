@@ -56,14 +56,14 @@ class ContactRates(NamedTuple):
     rate: float
 
 
-def combinations(
-    rates: ContactRates | None, options: Sequence[Sequence[Option]], kind: Callable[[int, Option], int]
+def mode_combinations(
+    rates: Callable[[], ContactRates | None], options: Sequence[Sequence[Option]], kind: Callable[[int, Option], int]
 ) -> Iterator[tuple[Option, ...]]:
     """The combinations of a mode of each contact, in the order of `itertools.product`; `kind`: of a mode of contact k.
-    Without `rates` none is excluded. Raises TooManyModes."""
+    `rates` is called where there are many; without them none is excluded. Raises TooManyModes."""
     some = [options]
-    if rates is not None and prod(map(len, options)) > FEW:
-        program = _Program(rates)
+    if prod(map(len, options)) > FEW and (given := rates()) is not None:
+        program = _Program(given)
         left: list[Sequence[Sequence[Option]]] = [
             [[one for one in own if program.allows(found, k, kind(k, one))] for k, own in enumerate(options)]
             for found in program.solutions([{kind(k, one) for one in own} for k, own in enumerate(options)])

@@ -272,7 +272,7 @@ WALK = {
             Left("slip-to-roll release publish report", OF_A_RELEASE),
             Step(
                 "slip-to-roll release deposit docs/results/0.3.0",
-                (r"^slip-to-roll-results-0\.2\.0\.zip, \d+\.\d MB: upload it",),
+                (r"^slip-to-roll-results-0\.3\.0\.zip, \d+\.\d MB: upload it",),
                 ("slip-to-roll-results-0.3.0.zip",),
                 before=f"ln -s {ROOT / 'docs'} docs",
             ),
